@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Arguments that several verbs share, and their types as text.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "sateen/core/direction.hpp"
+#include "sateen/io/image_file.hpp"
+
+namespace sateen::cli {
+
+/// Options that most verbs have.
+struct CommonArguments {
+    std::uint64_t seed = 0;
+    std::size_t threads = 0;
+    bool json = false;
+
+    void add_to(CLI::App& verb);
+};
+
+struct Size {
+    std::size_t cols = 512;
+    std::size_t rows = 512;
+};
+
+struct Position {
+    std::int32_t col = 0;
+    std::int32_t row = 0;
+};
+
+/// "WxH" or "N" for a square. Throws CLI::ValidationError, as CLI11 wants it.
+[[nodiscard]] Size parse_size(const std::string& text);
+/// "X,Y", whole numbers that may be negative.
+[[nodiscard]] Position parse_position(const std::string& text);
+/// "THETA,PHI" in degrees.
+[[nodiscard]] Direction parse_direction(const std::string& text);
+/// "auto" (gives 0) or a number in [smallest, largest].
+[[nodiscard]] std::size_t parse_auto_or_number(const std::string& option,
+                                               const std::string& text, std::size_t smallest,
+                                               std::size_t largest);
+[[nodiscard]] Encoding parse_encoding(const std::string& text);
+
+}  // namespace sateen::cli

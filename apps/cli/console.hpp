@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the user sees while waiting, and how the user stops it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "sateen/core/progress.hpp"
+
+namespace sateen::cli {
+
+/// Makes Ctrl-C (and a polite kill) ask for a stop instead of ending the process, so that
+/// unfinished files are removed. A second Ctrl-C ends it at once.
+void catch_interrupts();
+[[nodiscard]] bool interrupted();
+
+/// A progress bar with the time left on stderr; nothing where stderr is not a terminal.
+class ConsoleProgress final : public Progress {
+  public:
+    ConsoleProgress();
+    ~ConsoleProgress() override;
+    ConsoleProgress(const ConsoleProgress&) = delete;
+    ConsoleProgress& operator=(const ConsoleProgress&) = delete;
+
+    void stage(std::string_view name) override;
+    void report(double done, double total) override;
+    [[nodiscard]] bool cancelled() const override { return interrupted(); }
+    /// Clears the bar, so that a message can be printed.
+    void clear();
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    void draw(double share, Clock::time_point now);
+
+    const bool visible_;
+    bool drawn_ = false;
+    std::mutex mutex_;
+    std::string stage_;
+    Clock::time_point stage_start_ = Clock::now();
+    Clock::time_point last_draw_;
+};
+
+}  // namespace sateen::cli

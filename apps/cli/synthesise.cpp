@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// sateen synthesise: textures from a material.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arguments.hpp"
+#include "console.hpp"
+#include "sateen/io/executor.hpp"
+#include "sateen/io/image_file.hpp"
+#include "sateen/io/material_file.hpp"
+#include "sateen/synthesis/synthesise.hpp"
+#include "verbs.hpp"
+
+namespace sateen::cli {
+namespace {
+
+struct SynthesiseArguments {
+    CommonArguments common;
+    std::string material;
+    std::string output;
+    std::string size = "512x512";
+    std::string offset = "0,0";
+    std::string view = "0,0";
+    std::string light = "0,0";
+    std::string format = "png";
+    std::optional<std::size_t> subspace;
+    int bits = 0;
+    bool tileable = false;
+    bool recursive = false;
+    bool all = false;
+};
+
+SynthesisOptions synthesis_options(const SynthesiseArguments& arguments) {
+    const Size size = parse_size(arguments.size);
+    const Position offset = parse_position(arguments.offset);
+    SynthesisOptions options;
+    options.rows = size.rows;
+    options.cols = size.cols;
+    options.offset_row = offset.row;
+    options.offset_col = offset.col;
+    options.tileable = arguments.tileable || arguments.all;
+    options.recursive = arguments.recursive;
+    options.seed = arguments.common.seed;
+    return options;
+}
+
+WriteOptions write_options(const SynthesiseArguments& arguments) {
+    WriteOptions options;
+    if (arguments.bits != 0) options.bits = arguments.bits;
+    return options;
+}
+
+Result<void> write_one(const SynthesiseArguments& arguments, const Material& material,
+                       std::size_t subspace, Executor& executor, Progress& progress) {
+    const SynthesisOptions options = synthesis_options(arguments);
+    SATEEN_TRY(const std::unique_ptr<ImageWriter> writer,
+               ImageWriter::open(arguments.output, material.bands, options.rows, options.cols,
+                                 write_options(arguments)));
+    SATEEN_CHECK(synthesise(
+        material, subspace, options,
+        [&](std::size_t, ImageView<const float> strip) { return writer->write_rows(strip); },
+        executor, progress));
+    return writer->finish();
+}
+
+Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
+                                           const Material& material, Executor& executor,
+                                           Progress& progress) {
+    std::error_code failure;
+    std::filesystem::create_directories(arguments.output, failure);
+    if (failure)
+        return Error{Errc::io, fmt::format("{}: cannot create the folder: {}",
+                                           arguments.output, failure.message())};
+    std::vector<std::size_t> subspaces;
+    for (std::size_t k = 0; k < material.subspaces.size(); ++k) subspaces.push_back(k);
+    std::vector<std::string> written;
+    SATEEN_CHECK(synthesise_tiles(
+        material, subspaces, synthesis_options(arguments),
+        [&](std::size_t k, Image texture) -> Result<void> {
+            const std::string name = fmt::format("subspace_{:02}.{}", k, arguments.format);
+            const std::string path =
+                (std::filesystem::path(arguments.output) / name).string();
+            SATEEN_CHECK(write_image(path, texture.view(), write_options(arguments)));
+            written.push_back(path);
+            return {};
+        },
+        executor, progress));
+    return written;
+}
+
+Result<void> run_synthesise(const SynthesiseArguments& arguments) {
+    const auto start = std::chrono::steady_clock::now();
+    SATEEN_TRY(const Material material, load_material(arguments.material));
+    const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
+    ConsoleProgress progress;
+    progress.stage("drawing");
+
+    std::vector<std::string> written = {arguments.output};
+    const std::size_t subspace = arguments.subspace.value_or(nearest_subspace(
+        material, parse_direction(arguments.view), parse_direction(arguments.light)));
+    if (arguments.all) {
+        SATEEN_TRY(written, write_all(arguments, material, *executor, progress));
+    } else {
+        SATEEN_CHECK(write_one(arguments, material, subspace, *executor, progress));
+    }
+
+    progress.clear();
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    if (arguments.common.json) {
+        nlohmann::ordered_json json;
+        json["written"] = written;
+        json["seconds"] = elapsed.count();
+        if (!arguments.all) json["subspace"] = subspace;
+        fmt::print("{}\n", json.dump(2));
+    } else {
+        fmt::print(stderr, "{}: {} texture{} of {}, {:.2f} s\n", arguments.output,
+                   written.size(), written.size() == 1 ? "" : "s", arguments.size,
+                   elapsed.count());
+    }
+    return {};
+}
+
+}  // namespace
+
+Verb add_synthesise(CLI::App& program) {
+    auto arguments = std::make_shared<SynthesiseArguments>();
+    CLI::App* verb =
+        program.add_subcommand("synthesise", "Draw seamless texture of any size from a material");
+    verb->alias("synthesize");
+    verb->add_option("material", arguments->material, "The material file")->required();
+    verb->add_option("-o,--output", arguments->output,
+                     "Image file: .png, .jpg, .exr or .tif; with --all a folder")
+        ->required();
+    const auto checked = [](auto parse) {
+        return [parse](const std::string& text) {
+            (void)parse(text);
+            return std::string();
+        };
+    };
+    verb->add_option("--size", arguments->size, "Width x height in pixels, e.g. 2048x1024")
+        ->capture_default_str()
+        ->check(checked(parse_size));
+    auto* offset = verb->add_option("--offset", arguments->offset,
+                                    "X,Y of the window of the infinite plane, in pixels")
+                       ->capture_default_str()
+                       ->check(checked(parse_position));
+    auto* tileable = verb->add_flag("--tileable", arguments->tileable,
+                                    "Seamless across its own borders (toroidal)");
+    auto* view = verb->add_option("--view", arguments->view, "THETA,PHI in degrees")
+                     ->capture_default_str()
+                     ->check(checked(parse_direction));
+    auto* light = verb->add_option("--light", arguments->light, "THETA,PHI in degrees")
+                      ->capture_default_str()
+                      ->check(checked(parse_direction));
+    auto* subspace =
+        verb->add_option("--subspace", arguments->subspace, "Number of a subspace instead");
+    auto* all = verb->add_flag("--all", arguments->all,
+                               "Tileable textures of every subspace, into a folder");
+    verb->add_flag("--recursive", arguments->recursive,
+                   "Draw by causal recursion, as paper-mode materials are");
+    verb->add_option("--bits", arguments->bits,
+                     "Bits a sample: PNG and TIFF 8 or 16, EXR 16 or 32")
+        ->check(CLI::IsMember({8, 16, 32}));
+    verb->add_option("--format", arguments->format, "With --all: png, jpg, exr or tif")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"png", "jpg", "exr", "tif"}))
+        ->needs(all);
+    offset->excludes(tileable)->excludes(all);
+    for (CLI::Option* other : {view, light, subspace}) other->excludes(all);
+    subspace->excludes(view)->excludes(light);
+    arguments->common.add_to(*verb);
+    return {verb, [arguments] { return run_synthesise(*arguments); }};
+}
+
+}  // namespace sateen::cli

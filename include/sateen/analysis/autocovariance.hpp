@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Autocovariances of the levels of a pyramid: all that the estimators of the fields need.
+// Theory: docs/theory/power_preserving_pyramid.md. Partner: synthesis/spectral_density.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sateen/core/image.hpp"
+#include "sateen/core/parallel.hpp"
+#include "sateen/core/result.hpp"
+#include "sateen/material/neighbourhood.hpp"
+
+namespace sateen {
+
+/// R(s) = E Y_r Y_{r-s} of a zero-mean plane on a torus, for |s1|, |s2| <= reach.
+class Autocovariance {
+  public:
+    Autocovariance() = default;
+    Autocovariance(int reach, double sites)
+        : values_(static_cast<std::size_t>((reach + 1) * (2 * reach + 1))),
+          reach_(reach),
+          sites_(sites) {}
+
+    /// R(-s) = R(s), so only rows >= 0 are kept.
+    [[nodiscard]] double operator()(int row, int col) const {
+        return row < 0 ? values_[index(-row, -col)] : values_[index(row, col)];
+    }
+    [[nodiscard]] double operator()(Offset s) const { return (*this)(s.row, s.col); }
+    /// row in [0, reach], col in [-reach, reach]
+    [[nodiscard]] double& at(int row, int col) { return values_[index(row, col)]; }
+
+    [[nodiscard]] double variance() const { return (*this)(0, 0); }
+    [[nodiscard]] int reach() const { return reach_; }
+    /// How many lattice sites were averaged.
+    [[nodiscard]] double sites() const { return sites_; }
+    /// Pools the statistics of another sample of the same field, weighted by its sites.
+    void pool(const Autocovariance& other);
+
+  private:
+    [[nodiscard]] std::size_t index(int row, int col) const {
+        return static_cast<std::size_t>(row * (2 * reach_ + 1) + col + reach_);
+    }
+    std::vector<double> values_;
+    int reach_ = 0;
+    double sites_ = 0;
+};
+
+/// The autocovariances of every level of a pyramid whose levels, drawn independently and
+/// collapsed, have the power spectrum of `plane`.
+///
+/// Drawn independently, the levels of an ordinary Laplacian pyramid lose up to 4.75 dB
+/// where they overlap. Instead, with S_0 the periodogram of the periodic part of the
+/// plane,
+///
+///     S_{k+1}(2ω) = ¼ Σ_alias W²S_k          the Gaussian level
+///     B_k(ω)      = S_k(ω) - W²(ω) Σ_alias W²S_k     the part that level k must hold
+///
+/// so that Σ of the expanded levels is S_0 again.
+///
+/// \param plane   (M, N), both accepted FFT sizes divisible by 2^(levels - 1); its mean
+/// is
+///                ignored
+/// \param reach   of the autocovariances
+/// \returns       one autocovariance a level, finest first, the low-pass residue last
+/// \cost          O(MN log MN + MN·reach)
+[[nodiscard]] Result<std::vector<Autocovariance>> power_preserving_pyramid(
+    PlaneView<const float> plane, std::size_t levels, int reach, Executor& executor);
+
+}  // namespace sateen

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// How strongly the lightness of an image varies in four directions: what histograms do
+// not see. Theory: docs/theory/segmentation.md.
+#pragma once
+
+#include <array>
+
+#include "sateen/core/image.hpp"
+
+namespace sateen {
+
+/// Root mean square differences of L over steps of about 3 pixels along the columns, the
+/// two diagonals and the rows (0°, 45°, 90°, 135°), divided by √2: in Lab units, for
+/// white noise its standard deviation.
+using OrientedContrast = std::array<double, 4>;
+
+/// Of an image of 1 or 3 bands, linear sRGB. L is rounded to 1/255 of its range, so that
+/// sums are of integers. Directions in which the image is too small give 0.
+/// \cost about 1 ns a pixel
+[[nodiscard]] OrientedContrast oriented_contrast(ImageView<const float> image);
+
+}  // namespace sateen

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moisan's periodic plus smooth decomposition of an image.
+// Theory: docs/theory/periodic_part.md.
+#pragma once
+
+#include "sateen/core/image.hpp"
+#include "sateen/core/parallel.hpp"
+#include "sateen/core/result.hpp"
+
+namespace sateen {
+
+/// The periodic part p = u - s of an image u: its opposite borders meet, so its DFT is
+/// free of the cross that border jumps make. s is smooth, of zero mean, and solves
+///
+///     Δs = v    on the torus,   v the jumps of u across its borders        [Moisan 2011]
+///
+/// \param in   u, (M, N)
+/// \param out  p, (M, N), same mean; may be `in`
+/// \error invalid_argument  M or N is not 2^a 3^b 5^c.
+/// \cost       one forward and one inverse FFT
+Result<void> periodic_part(PlaneView<const float> in, PlaneView<float> out,
+                           Executor& executor);
+
+}  // namespace sateen

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measurement to material. See analyse.hpp.
+#include "sateen/analysis/analyse.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "analysis/fit_subspace.hpp"
+#include "sateen/analysis/segment.hpp"
+
+namespace sateen {
+namespace {
+
+/// What the material says of the measurement as a whole.
+Material describe(const MeasurementInfo& info, const AnalysisOptions& options) {
+    Material material;
+    material.provenance.name = info.name;
+    material.provenance.source = info.layout;
+    material.provenance.source_checksum = info.checksum;
+    material.cosine_included = info.radiometry.cosine_included;
+    material.pixels_per_mm = info.pixels_per_mm;
+    material.sample_rows = static_cast<std::uint32_t>(info.rows);
+    material.sample_cols = static_cast<std::uint32_t>(info.cols);
+    material.bands = static_cast<std::uint32_t>(info.bands);
+    material.drawing = options.paper ? Drawing::recursive : Drawing::spectral;
+    material.views = info.views;
+    material.lights = info.lights;
+    return material;
+}
+
+/// The paper's settings where the user gave none.
+AnalysisOptions with_paper_defaults(AnalysisOptions options) {
+    if (options.paper) options.neighbourhood = {NeighbourhoodRule::nearest, 3};
+    return options;
+}
+
+/// The images that stand for each subspace: one representative, or all photographs pooled.
+struct Representatives {
+    std::vector<std::vector<std::size_t>> observations;
+    std::vector<std::uint32_t> members;
+    std::vector<std::uint8_t> labels;  ///< a subspace for every observation
+};
+
+Result<Representatives> choose_representatives(const Measurement& measurement,
+                                               const AnalysisOptions& options,
+                                               std::vector<std::string>& notes,
+                                               Executor& executor, Progress& progress) {
+    const std::size_t count = measurement.info().observations.size();
+    Representatives result;
+    if (!measurement.info().has_directions()) {
+        std::vector<std::size_t> all(count);
+        for (std::size_t i = 0; i < count; ++i) all[i] = i;
+        result.observations.push_back(std::move(all));
+        result.members.push_back(static_cast<std::uint32_t>(count));
+        return result;
+    }
+    progress.stage("segmenting");
+    SegmentationOptions segmentation;
+    segmentation.subspaces = options.subspaces;
+    segmentation.seed = options.seed;
+    segmentation.skip_bad = options.skip_bad;
+    SATEEN_TRY(Segmentation segments, segment(measurement, segmentation, executor, progress));
+    for (const std::string& reason : segments.pass.reasons) notes.push_back("skipped " + reason);
+    for (const std::size_t observation : segments.representatives)
+        result.observations.push_back({observation});
+    result.members = std::move(segments.members);
+    result.labels = std::move(segments.labels);
+    return result;
+}
+
+std::vector<IndexEntry> index_table(const MeasurementInfo& info,
+                                    const std::vector<std::uint8_t>& labels) {
+    std::vector<IndexEntry> index;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        if (labels[i] != kUnreadable)
+            index.push_back({static_cast<std::uint16_t>(info.observations[i].light),
+                             static_cast<std::uint16_t>(info.observations[i].view), labels[i]});
+    return index;
+}
+
+Result<std::vector<Image>> read_all(const Measurement& measurement,
+                                    const std::vector<std::size_t>& observations,
+                                    bool skip_bad, std::vector<std::string>& notes) {
+    std::vector<Image> images;
+    for (const std::size_t observation : observations) {
+        Result<Image> image = measurement.read(observation);
+        if (!image && !skip_bad) return std::move(image).error();
+        if (image)
+            images.push_back(std::move(*image));
+        else
+            notes.push_back("skipped " + image.error().message);
+    }
+    if (images.empty())
+        return Error{Errc::bad_format, "no readable image in " + measurement.info().name};
+    return images;
+}
+
+}  // namespace
+
+Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& user_options,
+                         Executor& executor, Progress& progress) {
+    const AnalysisOptions options = with_paper_defaults(user_options);
+    const MeasurementInfo& info = measurement.info();
+    Analysis result{describe(info, options), info.skipped, {}};
+    Material& material = result.material;
+
+    // 1. Segment the BTF space into subspaces, each with its representative image.
+    SATEEN_TRY(const Representatives representatives,
+               choose_representatives(measurement, options, result.notes, executor, progress));
+    material.index = index_table(info, representatives.labels);
+
+    // 2. Factorise each representative and estimate its fields. The first subspace comes first:
+    //    the others align their spectral transforms with it.
+    progress.stage("modelling");
+    const std::size_t count = representatives.observations.size();
+    std::vector<std::optional<Result<SubspaceFit>>> fits(count);
+    std::mutex mutex;
+    std::size_t finished = 0;
+    const SpectralTransform* reference = nullptr;
+    const auto fit = [&](std::size_t k) {
+        std::vector<std::string> notes;
+        Result<std::vector<Image>> images = read_all(
+            measurement, representatives.observations[k], options.skip_bad, notes);
+        fits[k] = images ? fit_subspace(std::move(*images), options, reference, executor)
+                         : Result<SubspaceFit>(std::move(images).error());
+        const std::lock_guard lock(mutex);
+        if (*fits[k])
+            (*fits[k])->notes.insert((*fits[k])->notes.begin(), notes.begin(), notes.end());
+        progress.report(static_cast<double>(++finished), static_cast<double>(count));
+    };
+    fit(0);
+    if (*fits[0]) reference = &(*fits[0])->subspace.spectral;
+    parallel_for(executor, count - 1, [&](std::size_t k) {
+        if (!progress.cancelled()) fit(k + 1);
+    });
+    if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while modelling"};
+
+    for (std::size_t k = 0; k < count; ++k) {
+        SATEEN_TRY(SubspaceFit done, std::move(*fits[k]));
+        Subspace& subspace = done.subspace;
+        subspace.members = representatives.members[k];
+        const std::size_t observation = representatives.observations[k].front();
+        if (info.has_directions()) {
+            subspace.view = static_cast<std::uint16_t>(info.observations[observation].view);
+            subspace.light = static_cast<std::uint16_t>(info.observations[observation].light);
+        }
+        for (const std::string& note : done.notes)
+            result.notes.push_back("subspace " + std::to_string(k) + ": " + note);
+        result.representatives.push_back(observation);
+        material.subspaces.push_back(std::move(subspace));
+    }
+    return result;
+}
+
+}  // namespace sateen

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many bytes of a payload each part takes.
+#include <numeric>
+
+#include "material/schema.hpp"
+
+namespace sateen {
+namespace {
+
+template <class... Vectors>
+std::size_t bytes(const Vectors*... vectors) {
+    const auto one = [](const auto* vector) -> std::size_t {
+        if (vector == nullptr) return 0;
+        return vector->size() * sizeof(vector->Get(0));
+    };
+    return (one(vectors) + ...);
+}
+
+}  // namespace
+
+Result<std::vector<PartBytes>> material_part_bytes(const Material& material) {
+    SATEEN_TRY(const auto payload, write_material(material));
+    const auto& m = *flatbuffers::GetSizePrefixedRoot<schema::Material>(payload.data());
+    const auto& provenance = *m.provenance();
+    const auto& index = *m.index();
+    const auto& subspaces = *m.subspaces();
+    const auto& marginals = *m.marginals();
+    const auto& neighbourhoods = *m.neighbourhoods();
+    const auto& fields = *m.fields();
+    std::vector<PartBytes> parts = {
+        {"provenance", bytes(provenance.name(), provenance.source(), provenance.options(),
+                             provenance.writer()) +
+                           sizeof(provenance.source_checksum())},
+        {"directions", bytes(m.views()->theta(), m.views()->phi(), m.lights()->theta(),
+                             m.lights()->phi())},
+        {"index", bytes(index.subspaces(), index.lights(), index.views(),
+                        subspaces.members(), subspaces.views(), subspaces.lights())},
+        {"spectral transforms",
+         bytes(subspaces.tones(), subspaces.mean(), subspaces.transform())},
+        {"marginals", bytes(marginals.scales(), marginals.counts(), marginals.exponents(),
+                            marginals.knots())},
+        {"neighbourhoods", bytes(neighbourhoods.orders(), neighbourhoods.counts(),
+                                 neighbourhoods.rows(), neighbourhoods.cols())},
+        {"fields", bytes(subspaces.levels(), fields.models(), fields.neighbourhoods(),
+                         fields.exponents(), fields.coefficients(), fields.variances())},
+    };
+    // Tables, lengths of vectors and padding.
+    const auto add = [](std::size_t sum, const PartBytes& part) {
+        return sum + part.bytes;
+    };
+    const std::size_t named =
+        std::accumulate(parts.begin(), parts.end(), std::size_t{0}, add);
+    parts.push_back({"container", payload.size() - named});
+    return parts;
+}
+
+}  // namespace sateen

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spectral densities of fields and of whole pyramids of them: a field is its spectral density.
+// Theory: docs/theory/spectral_synthesis.md. Partner: analysis/autocovariance.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "sateen/core/image.hpp"
+#include "sateen/core/parallel.hpp"
+#include "sateen/material/field_model.hpp"
+#include "sateen/material/material.hpp"
+
+namespace sateen {
+
+/// The field of one plane on levels [first, end) of a pyramid.
+struct PlaneField {
+    std::span<const Level> levels;
+    std::size_t plane = 0;
+    [[nodiscard]] const FieldModel& field(std::size_t level) const {
+        return levels[level].fields[plane];
+    }
+    /// The part of the pyramid from `level` on, as a pyramid of its own.
+    [[nodiscard]] PlaneField coarser(std::size_t level) const {
+        return {levels.subspan(level), plane};
+    }
+    [[nodiscard]] PlaneField finer(std::size_t level) const {
+        return {levels.first(level), plane};
+    }
+};
+
+/// The spectral density of the collapsed pyramid on the frequencies of a (rows, cols) torus,
+///
+///     E_k(ω) = S_k(ω) + 4 W²(ω) E_{k+1}(2ω),    W the transfer function of the kernel,
+///
+/// n = 0 … ⌊cols/2⌋. Levels drawn independently have exactly this density on average.
+/// Any size; odd ones evaluate the coarser levels at the doubled frequencies.
+/// \cost  about 10 multiply-adds a frequency and level
+[[nodiscard]] Image spectral_density(const PlaneField& field, std::size_t rows,
+                                     std::size_t cols, Executor& executor);
+
+/// The mean of a density over the whole torus: the variance of the field.
+[[nodiscard]] double mean_density(PlaneView<const float> density, std::size_t cols);
+
+}  // namespace sateen

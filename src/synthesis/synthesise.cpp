@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// Material to texture. See synthesise.hpp.
+#include "sateen/synthesis/synthesise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sateen/core/fft.hpp"
+#include "synthesis/appearance.hpp"
+#include "synthesis/infinite_field.hpp"
+#include "synthesis/noise_bands.hpp"
+#include "synthesis/recursive_field.hpp"
+#include "synthesis/spectral_density.hpp"
+#include "synthesis/toroidal_field.hpp"
+
+namespace sateen {
+namespace {
+
+/// Tileable textures up to this size are drawn at once, with mean and variance pinned.
+constexpr std::size_t kWholeTextureSites = std::size_t{1} << 22U;
+
+Result<void> check_size(const SynthesisOptions& options) {
+    for (const std::size_t side : {options.rows, options.cols})
+        if (side == 0 || side > kMaxTextureSide)
+            return Error{Errc::invalid_argument,
+                         "a texture of " + std::to_string(options.cols) + "x" +
+                             std::to_string(options.rows) + " pixels: each side must be 1 to " +
+                             std::to_string(kMaxTextureSide)};
+    return {};
+}
+
+Result<void> check_subspace(const Material& material, std::size_t subspace) {
+    if (subspace < material.subspaces.size()) return {};
+    return Error{Errc::invalid_argument,
+                 "subspace " + std::to_string(subspace) + ": the material has " +
+                     std::to_string(material.subspaces.size()) + ", numbered from 0"};
+}
+
+bool fits_one_transform(const SynthesisOptions& options) {
+    return is_fft_size(options.rows) && is_fft_size(options.cols) &&
+           options.rows * options.cols <= kWholeTextureSites;
+}
+
+/// Shifts and scales a plane to mean 0 and variance 1; leaves a constant one.
+void standardise(PlaneView<float> plane) {
+    double sum = 0;
+    double squares = 0;
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+        const auto value = static_cast<double>(plane.data[i]);
+        sum += value;
+        squares += value * value;
+    }
+    const double n = static_cast<double>(plane.size());
+    const double mean = sum / n;
+    const double variance = squares / n - mean * mean;
+    if (!(variance > 0)) return;
+    const auto shift = static_cast<float>(mean);
+    const auto scale = static_cast<float>(1 / std::sqrt(variance));
+    for (std::size_t i = 0; i < plane.size(); ++i)
+        plane.data[i] = (plane.data[i] - shift) * scale;
+}
+
+/// The Fourier transforms of the white noise of every plane of one torus.
+class ToroidalNoise {
+  public:
+    static Result<ToroidalNoise> create(const Material& material,
+                                        const SynthesisOptions& options, Executor& executor) {
+        SATEEN_TRY(Fft2d fft, Fft2d::create(options.rows, options.cols));
+        ToroidalNoise noise(std::move(fft));
+        Image white(1, options.rows, options.cols);
+        for (std::uint32_t plane = 0; plane < material.bands; ++plane) {
+            draw_noise(options.seed, noise_band(plane), white.plane(0), executor);
+            SplitComplexPlane& spectrum =
+                noise.spectra_.emplace_back(options.rows, noise.fft_.spectrum_cols());
+            noise.fft_.forward(white.plane(0), spectrum.view(), executor);
+        }
+        return noise;
+    }
+
+    /// All planes of one subspace, standard normal.
+    [[nodiscard]] Image draw(const Subspace& subspace, Executor& executor) const {
+        Image planes(spectra_.size(), fft_.rows(), fft_.cols());
+        SplitComplexPlane spectrum(fft_.rows(), fft_.spectrum_cols());
+        for (std::size_t plane = 0; plane < spectra_.size(); ++plane) {
+            colour_noise({subspace.levels, plane}, fft_.cols(), spectra_[plane].view(),
+                         spectrum.view(), executor);
+            fft_.inverse(spectrum.view(), planes.plane(plane), executor);
+        }
+        return planes;
+    }
+
+  private:
+    explicit ToroidalNoise(Fft2d fft) : fft_(std::move(fft)) {}
+    Fft2d fft_;
+    std::vector<SplitComplexPlane> spectra_;
+};
+
+/// Every plane of one subspace on the infinite lattice, by convolution.
+class InfinitePlanes {
+  public:
+    static Result<InfinitePlanes> create(const Subspace& subspace, Period period,
+                                         Executor& executor) {
+        InfinitePlanes planes;
+        for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
+            SATEEN_TRY(InfiniteField field,
+                       InfiniteField::create({subspace.levels, plane}, period, executor));
+            planes.fields_.push_back(std::move(field));
+        }
+        return planes;
+    }
+    Result<void> draw(std::uint64_t seed, std::int32_t row, std::int32_t col,
+                      ImageView<float> out, Executor& executor) const {
+        for (std::uint32_t plane = 0; plane < fields_.size(); ++plane)
+            SATEEN_CHECK(
+                fields_[plane].draw(seed, plane, row, col, out.plane(plane), executor));
+        return {};
+    }
+    [[nodiscard]] std::size_t strip_rows() const { return fields_.front().strip_rows(); }
+
+  private:
+    std::vector<InfiniteField> fields_;
+};
+
+/// Every plane of one subspace on the infinite lattice, by recursion.
+class RecursivePlanes {
+  public:
+    static Result<RecursivePlanes> create(const Subspace& subspace) {
+        RecursivePlanes planes;
+        for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
+            SATEEN_TRY(RecursiveField field, RecursiveField::create({subspace.levels, plane}));
+            planes.fields_.push_back(std::move(field));
+        }
+        return planes;
+    }
+    Result<void> draw(std::uint64_t seed, std::int32_t row, std::int32_t col,
+                      ImageView<float> out, Executor& executor) const {
+        for (std::uint32_t plane = 0; plane < fields_.size(); ++plane)
+            SATEEN_CHECK(
+                fields_[plane].draw(seed, plane, row, col, out.plane(plane), executor));
+        return {};
+    }
+    [[nodiscard]] std::size_t strip_rows() const { return fields_.front().strip_rows(); }
+
+  private:
+    std::vector<RecursiveField> fields_;
+};
+
+/// Draws a window from top to bottom in strips that end on the block borders of the planes.
+template <class Planes>
+Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
+                            const SynthesisOptions& options, const StripSink& sink,
+                            Executor& executor, Progress& progress) {
+    const std::size_t bands = subspace.marginals.size();
+    const auto step = static_cast<std::int64_t>(planes.strip_rows());
+    std::size_t row = 0;
+    while (row < options.rows) {
+        if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while drawing"};
+        const std::int64_t at = std::int64_t{options.offset_row} + static_cast<std::int64_t>(row);
+        const std::int64_t past_border = ((at % step) + step) % step;
+        const std::size_t count =
+            std::min(static_cast<std::size_t>(step - past_border), options.rows - row);
+        Image strip(bands, count, options.cols);
+        SATEEN_CHECK(planes.draw(options.seed, static_cast<std::int32_t>(at),
+                                 options.offset_col, strip.view(), executor));
+        invert_spectral(subspace, strip.view(), executor);
+        SATEEN_CHECK(sink(row, strip.view()));
+        row += count;
+        progress.report(static_cast<double>(row), static_cast<double>(options.rows));
+    }
+    return {};
+}
+
+/// A torus that one transform cannot draw: the infinite lattice with periodic noise.
+Result<void> draw_periodic(const Subspace& subspace, SynthesisOptions options,
+                           const StripSink& sink, Executor& executor, Progress& progress) {
+    options.offset_row = 0;
+    options.offset_col = 0;
+    const Period period{static_cast<std::int32_t>(options.rows),
+                        static_cast<std::int32_t>(options.cols)};
+    SATEEN_TRY(const InfinitePlanes planes,
+               InfinitePlanes::create(subspace, period, executor));
+    if (options.rows * options.cols > kWholeTextureSites)
+        return draw_in_strips(planes, subspace, options, sink, executor, progress);
+
+    Image whole(subspace.marginals.size(), options.rows, options.cols);
+    SATEEN_CHECK(planes.draw(options.seed, 0, 0, whole.view(), executor));
+    for (std::size_t plane = 0; plane < whole.bands(); ++plane)
+        standardise(whole.plane(plane));
+    invert_spectral(subspace, whole.view(), executor);
+    progress.report(1, 1);
+    return sink(0, whole.view());
+}
+
+}  // namespace
+
+Result<void> synthesise(const Material& material, std::size_t subspace_number,
+                        const SynthesisOptions& options, const StripSink& sink,
+                        Executor& executor, Progress& progress) {
+    SATEEN_CHECK(check_size(options));
+    SATEEN_CHECK(check_subspace(material, subspace_number));
+    const Subspace& subspace = material.subspaces[subspace_number];
+    if (options.tileable) {
+        if (!fits_one_transform(options))
+            return draw_periodic(subspace, options, sink, executor, progress);
+        SATEEN_TRY(const ToroidalNoise noise,
+                   ToroidalNoise::create(material, options, executor));
+        Image texture = noise.draw(subspace, executor);
+        invert_spectral(subspace, texture.view(), executor);
+        progress.report(1, 1);
+        return sink(0, texture.view());
+    }
+    if (options.recursive || material.drawing == Drawing::recursive) {
+        SATEEN_TRY(const RecursivePlanes planes, RecursivePlanes::create(subspace));
+        return draw_in_strips(planes, subspace, options, sink, executor, progress);
+    }
+    SATEEN_TRY(const InfinitePlanes planes,
+               InfinitePlanes::create(subspace, Period{}, executor));
+    return draw_in_strips(planes, subspace, options, sink, executor, progress);
+}
+
+Result<Image> synthesise(const Material& material, std::size_t subspace,
+                         const SynthesisOptions& options, Executor& executor,
+                         Progress& progress) {
+    SATEEN_CHECK(check_size(options));
+    Image whole(material.bands, options.rows, options.cols);
+    SATEEN_CHECK(synthesise(
+        material, subspace, options,
+        [&](std::size_t first_row, ImageView<const float> strip) -> Result<void> {
+            for (std::size_t band = 0; band < strip.bands; ++band)
+                for (std::size_t r = 0; r < strip.rows; ++r)
+                    std::copy_n(strip.plane(band).row(r), strip.cols,
+                                whole.plane(band).row(first_row + r));
+            return {};
+        },
+        executor, progress));
+    return whole;
+}
+
+Result<void> synthesise_tiles(
+    const Material& material, std::span<const std::size_t> subspaces,
+    const SynthesisOptions& options,
+    const std::function<Result<void>(std::size_t subspace, Image texture)>& take,
+    Executor& executor, Progress& progress) {
+    SATEEN_CHECK(check_size(options));
+    for (const std::size_t k : subspaces) SATEEN_CHECK(check_subspace(material, k));
+    std::optional<ToroidalNoise> noise;
+    if (fits_one_transform(options)) {
+        SATEEN_TRY(noise, ToroidalNoise::create(material, options, executor));
+    }
+    SynthesisOptions tileable = options;
+    tileable.tileable = true;
+    for (std::size_t i = 0; i < subspaces.size(); ++i) {
+        if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while drawing"};
+        Image texture;
+        if (noise) {
+            const Subspace& subspace = material.subspaces[subspaces[i]];
+            texture = noise->draw(subspace, executor);
+            invert_spectral(subspace, texture.view(), executor);
+        } else {
+            Progress silent;
+            SATEEN_TRY(texture,
+                       synthesise(material, subspaces[i], tileable, executor, silent));
+        }
+        SATEEN_CHECK(take(subspaces[i], std::move(texture)));
+        progress.report(static_cast<double>(i + 1), static_cast<double>(subspaces.size()));
+    }
+    return {};
+}
+
+std::size_t nearest_subspace(const Material& material, Direction view, Direction light) {
+    const auto cosine = [](Direction a, Direction b) {
+        const auto u = to_vector(a);
+        const auto v = to_vector(b);
+        return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    };
+    std::vector<float> to_view;
+    std::vector<float> to_light;
+    for (const Direction& d : material.views) to_view.push_back(cosine(d, view));
+    for (const Direction& d : material.lights) to_light.push_back(cosine(d, light));
+    std::size_t best = 0;
+    float best_closeness = -3;
+    for (const IndexEntry& entry : material.index) {
+        const float closeness = to_view[entry.view] + to_light[entry.light];
+        if (closeness > best_closeness) {
+            best_closeness = closeness;
+            best = entry.subspace;
+        }
+    }
+    return best;
+}
+
+}  // namespace sateen

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the files of tests/golden/v1 hold. Every number is a short binary fraction, so
+// that quantisation leaves it alone. Never change these: files of version 1 exist.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sateen/material/material.hpp"
+
+namespace sateen::test {
+
+/// Coefficients 1/4, -1/8, 1/12 … cut to 1/1024.
+inline Car2d golden_field(std::vector<Offset> offsets, float variance) {
+    Car2d field{std::move(offsets), {}, variance};
+    for (std::size_t i = 0; i < field.neighbourhood.size(); ++i) {
+        const int step = 256 / (static_cast<int>(i) + 1);
+        field.a.push_back(static_cast<float>(i % 2 == 0 ? step : -step) / 1024);
+    }
+    return field;
+}
+
+inline Marginal golden_marginal(float scale) {
+    Marginal marginal{scale, {}};
+    for (int i = 0; i < static_cast<int>(Marginal::kKnots); ++i)
+        marginal.knots.push_back(static_cast<float>(i * i) / 64 - 2);
+    return marginal;
+}
+
+/// One photograph: three planes, two levels, an explicit list of offsets.
+inline Material golden_photograph() {
+    Material m;
+    m.provenance = {"gr\xC3\xBCner Satin", "photograph", "--levels 2", "sateen 0.1.0",
+                    0x0123456789ABCDEF};
+    m.cosine_included = false;
+    m.sample_rows = 800;
+    m.sample_cols = 640;
+    Subspace subspace;
+    subspace.spectral = {Tone::srgb, {0.5F, 0.25F, 0.125F}, {0, 0, 1, 1, 0, 0, 0, -1, 0}};
+    subspace.marginals = {golden_marginal(0.25F), golden_marginal(0.125F), {0, {}}};
+    const std::vector<Offset> scattered = {{0, 1}, {1, -3}, {2, 0}, {8, -8}};
+    subspace.levels = {{{golden_field(hierarchical_half_plane(6), 0.5F),
+                         golden_field(scattered, 0.25F), Car2d{}}},
+                       {{golden_field(hierarchical_half_plane(3), 0.75F),
+                         golden_field(scattered, 1), Car2d{}}}};
+    m.subspaces = {subspace};
+    return m;
+}
+
+/// A complete grid of 2 lights and 3 views, one band, two subspaces, drawn recursively.
+inline Material golden_grid() {
+    Material m;
+    m.provenance = {"grid", "ubo2003", "--paper", "sateen 0.1.0", 42};
+    m.pixels_per_mm = 12.5F;
+    m.sample_rows = 256;
+    m.sample_cols = 256;
+    m.bands = 1;
+    m.drawing = Drawing::recursive;
+    m.views = {direction_from_degrees(0, 0), direction_from_degrees(15, 60),
+               direction_from_degrees(75, 345)};
+    m.lights = {direction_from_degrees(0, 0), direction_from_degrees(22.5F, -90)};
+    m.index = {{0, 0, 0}, {0, 1, 0}, {0, 2, 1}, {1, 0, 1}, {1, 1, 0}, {1, 2, 1}};
+    for (const float scale : {0.5F, 0.25F}) {
+        Subspace subspace;
+        subspace.members = 3;
+        subspace.view = scale == 0.5F ? 1 : 2;
+        subspace.light = scale == 0.5F ? 0 : 1;
+        subspace.spectral = {Tone::linear, {scale}, {1}};
+        subspace.marginals = {{scale, {}}};
+        subspace.levels = {{{golden_field(hierarchical_half_plane(1), scale)}}};
+        m.subspaces.push_back(subspace);
+    }
+    return m;
+}
+
+/// The same with one pair that was not measured.
+inline Material golden_incomplete() {
+    Material m = golden_grid();
+    m.provenance.name = "incomplete";
+    m.index.erase(m.index.begin() + 3);
+    return m;
+}
+
+}  // namespace sateen::test

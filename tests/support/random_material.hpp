@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Valid materials with random contents, from a seed.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "sateen/material/material.hpp"
+
+namespace sateen::test {
+
+struct RandomMaterialOptions {
+    std::uint64_t seed = 0;
+    std::size_t subspaces = 1;
+    std::size_t levels = 5;
+    std::uint32_t bands = 3;
+    int order = 6;                  ///< hierarchical, of most fields
+    bool explicit_offsets = false;  ///< one field a level has a list of its own
+    bool knots = true;              ///< marginal curves
+    std::size_t views = 0;          ///< 0 for photographs
+    std::size_t lights = 0;
+    bool complete = true;  ///< every pair of directions is measured
+};
+
+class RandomMaterial {
+  public:
+    explicit RandomMaterial(const RandomMaterialOptions& options)
+        : options_(options), engine_(options.seed) {}
+
+    Material make() {
+        Material m;
+        m.provenance = {"a material", options_.views == 0 ? "photograph" : "ubo2003",
+                        "--field car2d", "sateen 0.1.0", engine_()};
+        m.cosine_included = engine_() % 2 == 0;
+        if (engine_() % 2 == 0) m.pixels_per_mm = uniform(1, 40);
+        m.sample_rows = 256;
+        m.sample_cols = 320;
+        m.bands = options_.bands;
+        m.drawing = engine_() % 2 == 0 ? Drawing::spectral : Drawing::recursive;
+        m.views = directions(options_.views);
+        m.lights = directions(options_.lights);
+        fill_index(m);
+        for (std::size_t i = 0; i < options_.subspaces; ++i)
+            m.subspaces.push_back(subspace(m));
+        return m;
+    }
+
+  private:
+    // The distributions of <random> differ between libraries; its engines do not.
+    float uniform(float low, float high) {
+        const auto bits = static_cast<float>(engine_() >> 40U);
+        return low + (high - low) * bits / 16777216.0F;
+    }
+    std::size_t below(std::size_t n) { return static_cast<std::size_t>(engine_() % n); }
+
+    // Whole degrees, as measurements have them.
+    std::vector<Direction> directions(std::size_t n) {
+        std::vector<Direction> out;
+        for (std::size_t i = 0; i < n; ++i)
+            out.push_back(direction_from_degrees(static_cast<float>(below(91)),
+                                                 static_cast<float>(below(360))));
+        return out;
+    }
+
+    void fill_index(Material& m) {
+        for (std::size_t light = 0; light < options_.lights; ++light)
+            for (std::size_t view = 0; view < options_.views; ++view)
+                if (options_.complete || below(8) != 0)
+                    m.index.push_back(
+                        {static_cast<std::uint16_t>(light),
+                         static_cast<std::uint16_t>(view),
+                         static_cast<std::uint8_t>(below(options_.subspaces))});
+    }
+
+    Subspace subspace(const Material& m) {
+        Subspace out;
+        out.members = static_cast<std::uint32_t>(1 + below(400));
+        out.view =
+            static_cast<std::uint16_t>(m.views.empty() ? 0 : below(m.views.size()));
+        out.light =
+            static_cast<std::uint16_t>(m.lights.empty() ? 0 : below(m.lights.size()));
+        out.spectral.tone = below(2) == 0 ? Tone::linear : Tone::srgb;
+        for (std::size_t i = 0; i < m.bands; ++i)
+            out.spectral.mean.push_back(uniform(0, 1));
+        out.spectral.T = rotation(m.bands);
+        for (std::size_t i = 0; i < m.bands; ++i) out.marginals.push_back(marginal());
+        for (std::size_t i = 0; i < options_.levels; ++i) out.levels.push_back(level());
+        return out;
+    }
+
+    // Rows of a rotation about x and then z.
+    std::vector<float> rotation(std::size_t bands) {
+        if (bands == 1) return {1};
+        const float a = uniform(0, 6);
+        const float b = uniform(0, 6);
+        return {std::cos(a),
+                std::sin(a),
+                0,
+                -std::sin(a) * std::cos(b),
+                std::cos(a) * std::cos(b),
+                std::sin(b),
+                std::sin(a) * std::sin(b),
+                -std::cos(a) * std::sin(b),
+                std::cos(b)};
+    }
+
+    Marginal marginal() {
+        Marginal out;
+        out.scale = uniform(0.01F, 0.3F);
+        if (!options_.knots) return out;
+        for (std::size_t i = 0; i < Marginal::kKnots; ++i)
+            out.knots.push_back(uniform(-Marginal::kRange, Marginal::kRange));
+        std::ranges::sort(out.knots);
+        return out;
+    }
+
+    // Σ |a_s| < 1: stable.
+    Car2d car2d(std::vector<Offset> offsets) {
+        Car2d out;
+        out.neighbourhood = std::move(offsets);
+        const float bound = 0.95F / static_cast<float>(out.neighbourhood.size());
+        for (std::size_t i = 0; i < out.neighbourhood.size(); ++i)
+            out.a.push_back(uniform(-bound, bound));
+        out.variance = uniform(0.1F, 1);
+        return out;
+    }
+
+    Level level() {
+        Level out;
+        for (std::uint32_t i = 0; i < options_.bands; ++i)
+            out.fields.emplace_back(car2d(options_.explicit_offsets && i == 0
+                                              ? scattered_offsets()
+                                              : hierarchical_half_plane(options_.order)));
+        return out;
+    }
+
+    std::vector<Offset> scattered_offsets() {
+        std::vector<Offset> out;
+        for (const Offset s : hierarchical_half_plane(kMaxOrder))
+            if (below(3) == 0) out.push_back(s);
+        return out;
+    }
+
+    RandomMaterialOptions options_;
+    std::mt19937_64 engine_;
+};
+
+/// A random valid material.
+inline Material random_material(const RandomMaterialOptions& options = {}) {
+    return RandomMaterial(options).make();
+}
+
+/// Some of every kind: photographs and measurements, one band and three, explicit lists.
+inline std::vector<Material> assorted_materials() {
+    return {
+        random_material({.seed = 1}),
+        random_material({.seed = 2, .levels = 1, .bands = 1, .order = 1, .knots = false}),
+        random_material({.seed = 3,
+                         .subspaces = 3,
+                         .levels = 3,
+                         .explicit_offsets = true,
+                         .views = 7,
+                         .lights = 5}),
+        random_material({.seed = 4,
+                         .subspaces = 2,
+                         .levels = 8,
+                         .order = 13,
+                         .views = 4,
+                         .lights = 9,
+                         .complete = false}),
+    };
+}
+
+}  // namespace sateen::test
