@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a small measurement in the UBO2003 layout: a hammered, rusty sheet of metal under 25
-// views and 25 lights. It shows what a measurement folder looks like, and feeds ./demo.
+// Makes a small measurement in the UBO2003 layout: a hammered, rusty sheet of metal under
+// 25 views and 25 lights. It shows what a measurement folder looks like, and feeds
+// ./demo.
 //
 //     make_measurement FOLDER
 #include <algorithm>
@@ -24,7 +25,9 @@ using Vector = std::array<float, 3>;
 
 constexpr std::size_t kSide = 128;
 
-float dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+float dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 Vector normalised(Vector v) {
     const float length = std::sqrt(dot(v, v));
@@ -127,8 +130,8 @@ int main(int argc, char** argv) {
                         image(band, r, c) = 2 * colour[band];
                 }
             std::array<char, 96> name{};
-            std::snprintf(name.data(), name.size(), "tl%03d pl%03d tv%03d pv%03d.jpg", light[0],
-                          light[1], view[0], view[1]);
+            std::snprintf(name.data(), name.size(), "tl%03d pl%03d tv%03d pv%03d.jpg",
+                          light[0], light[1], view[0], view[1]);
             const sateen::Result<void> written =
                 sateen::write_image((path / name.data()).string(), image.view());
             if (!written) {

@@ -16,7 +16,8 @@ namespace {
 template <class T>
 std::optional<T> whole_number(std::string_view text) {
     T value{};
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const auto [end, status] =
+        std::from_chars(text.data(), text.data() + text.size(), value);
     if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
     return value;
 }
@@ -59,7 +60,8 @@ Position parse_position(const std::string& text) {
     if (!near(col) || !near(row))
         throw CLI::ValidationError(
             "--offset",
-            fmt::format("\"{}\" is not a position X,Y of whole pixels within 2^30", text));
+            fmt::format("\"{}\" is not a position X,Y of whole pixels within 2^30",
+                        text));
     return {*col, *row};
 }
 
@@ -72,8 +74,9 @@ Direction parse_direction(const std::string& text) {
     if (!numbers || !(theta >= 0 && theta <= 90) || !(phi >= -360 && phi <= 360))
         throw CLI::ValidationError(
             "direction",
-            fmt::format("\"{}\" is not THETA,PHI in degrees, theta 0 to 90, phi -360 to 360",
-                        text));
+            fmt::format(
+                "\"{}\" is not THETA,PHI in degrees, theta 0 to 90, phi -360 to 360",
+                text));
     return direction_from_degrees(static_cast<float>(theta), static_cast<float>(phi));
 }
 
@@ -82,9 +85,9 @@ std::size_t parse_auto_or_number(const std::string& option, const std::string& t
     if (text == "auto") return 0;
     const auto number = whole_number<std::size_t>(text);
     if (!number || *number < smallest || *number > largest)
-        throw CLI::ValidationError(option,
-                                   fmt::format("\"{}\" is not auto or a number from {} to {}",
-                                               text, smallest, largest));
+        throw CLI::ValidationError(
+            option, fmt::format("\"{}\" is not auto or a number from {} to {}", text,
+                                smallest, largest));
     return *number;
 }
 

@@ -40,8 +40,8 @@ struct Position {
 [[nodiscard]] Direction parse_direction(const std::string& text);
 /// "auto" (gives 0) or a number in [smallest, largest].
 [[nodiscard]] std::size_t parse_auto_or_number(const std::string& option,
-                                               const std::string& text, std::size_t smallest,
-                                               std::size_t largest);
+                                               const std::string& text,
+                                               std::size_t smallest, std::size_t largest);
 [[nodiscard]] Encoding parse_encoding(const std::string& text);
 
 }  // namespace sateen::cli

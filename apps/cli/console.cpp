@@ -27,11 +27,15 @@ void catch_interrupts() {
     std::signal(SIGTERM, request_stop);
 }
 
-bool interrupted() { return stop_requested != 0; }
+bool interrupted() {
+    return stop_requested != 0;
+}
 
 ConsoleProgress::ConsoleProgress() : visible_(isatty(STDERR_FILENO) != 0) {}
 
-ConsoleProgress::~ConsoleProgress() { clear(); }
+ConsoleProgress::~ConsoleProgress() {
+    clear();
+}
 
 void ConsoleProgress::stage(std::string_view name) {
     const std::lock_guard lock(mutex_);
@@ -58,8 +62,8 @@ void ConsoleProgress::draw(double share, Clock::time_point now) {
         const auto seconds = static_cast<long>(elapsed / share - elapsed + 0.5);
         left = fmt::format("{}:{:02} left", seconds / 60, seconds % 60);
     }
-    fmt::print(stderr, "\r{:<16} [{:=<{}}{:<{}}] {:3.0f} %  {:<12}", stage_, "", filled, "",
-               kWidth - filled, 100 * share, left);
+    fmt::print(stderr, "\r{:<16} [{:=<{}}{:<{}}] {:3.0f} %  {:<12}", stage_, "", filled,
+               "", kWidth - filled, 100 * share, left);
     std::fflush(stderr);
     drawn_ = true;
 }

@@ -37,7 +37,8 @@ Json directions_json(const std::vector<Direction>& directions) {
     Json json = Json::array();
     for (const Direction& d : directions) {
         const auto degrees = [](float radians) {
-            return std::round(static_cast<double>(radians / kRadiansPerDegree) * 1e4) / 1e4;
+            return std::round(static_cast<double>(radians / kRadiansPerDegree) * 1e4) /
+                   1e4;
         };
         json.push_back({degrees(d.theta), degrees(d.phi)});
     }
@@ -52,10 +53,11 @@ Result<Json> describe_material(const std::string& path) {
     json["kind"] = "material";
     json["name"] = material.provenance.name;
     json["bytes"] = bytes.size();
-    json["source"] = {{"layout", material.provenance.source},
-                      {"checksum", fmt::format("{:016x}", material.provenance.source_checksum)},
-                      {"options", material.provenance.options},
-                      {"writer", material.provenance.writer}};
+    json["source"] = {
+        {"layout", material.provenance.source},
+        {"checksum", fmt::format("{:016x}", material.provenance.source_checksum)},
+        {"options", material.provenance.options},
+        {"writer", material.provenance.writer}};
     json["sample_size"] = {material.sample_cols, material.sample_rows};
     json["bands"] = material.bands;
     json["cosine_included"] = material.cosine_included;

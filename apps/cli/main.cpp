@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// sateen: photographs of a material in, a material of kilobytes out, seamless texture back.
-#include <CLI/CLI.hpp>
+// sateen: photographs of a material in, a material of kilobytes out, seamless texture
+// back.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <exception>

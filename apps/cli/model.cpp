@@ -68,8 +68,8 @@ void print_summary(const ModelArguments& arguments, const Analysis& analysis,
     if (!arguments.common.json) {
         fmt::print(stderr, "{}: {} images of {}x{}, {} subspace{}, {} bytes, {:.2f} s\n",
                    arguments.output, info.observations.size(), info.cols, info.rows,
-                   material.subspaces.size(), material.subspaces.size() == 1 ? "" : "s", bytes,
-                   seconds);
+                   material.subspaces.size(), material.subspaces.size() == 1 ? "" : "s",
+                   bytes, seconds);
         return;
     }
     nlohmann::ordered_json json;
@@ -106,11 +106,14 @@ Result<void> run_model(const ModelArguments& arguments) {
     SATEEN_TRY(Analysis analysis, analyse(*measurement, options, *executor, progress));
     analysis.material.provenance.options = recorded_options(arguments);
     analysis.material.provenance.writer = "sateen " SATEEN_VERSION;
-    SATEEN_TRY(const std::size_t bytes, save_material(arguments.output, analysis.material));
+    SATEEN_TRY(const std::size_t bytes,
+               save_material(arguments.output, analysis.material));
 
     progress.clear();
-    for (const std::string& note : analysis.notes) fmt::print(stderr, "sateen: {}\n", note);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    for (const std::string& note : analysis.notes)
+        fmt::print(stderr, "sateen: {}\n", note);
+    const std::chrono::duration<double> elapsed =
+        std::chrono::steady_clock::now() - start;
     print_summary(arguments, analysis, measurement->info(), bytes, elapsed.count());
     return {};
 }
@@ -121,17 +124,19 @@ Verb add_model(CLI::App& program) {
     auto arguments = std::make_shared<ModelArguments>();
     CLI::App* verb = program.add_subcommand(
         "model", "Analyse a measurement or photographs and write the material");
-    verb->add_option("input", arguments->inputs,
-                     "A UBO2003 or ATRIUM zip or folder, a folder with directions.csv, or one "
-                     "or more photographs of one material")
+    verb->add_option(
+            "input", arguments->inputs,
+            "A UBO2003 or ATRIUM zip or folder, a folder with directions.csv, or one "
+            "or more photographs of one material")
         ->required();
     verb->add_option("-o,--output", arguments->output, "The material file, NAME.sateen")
         ->required();
     verb->add_option("--field", arguments->field, "Random field model: auto or car2d")
         ->check(CLI::IsMember({"auto", "car2d"}))
         ->capture_default_str();
-    verb->add_flag("--paper", arguments->paper,
-                   "What [CAR2] prints: 3 neighbours, 3 levels, no marginal curves, recursion");
+    verb->add_flag(
+        "--paper", arguments->paper,
+        "What [CAR2] prints: 3 neighbours, 3 levels, no marginal curves, recursion");
     verb->add_option("--subspaces", arguments->subspaces, "auto or 1 to 20")
         ->capture_default_str()
         ->check([](const std::string& text) {

@@ -62,11 +62,13 @@ Result<void> write_one(const SynthesiseArguments& arguments, const Material& mat
                        std::size_t subspace, Executor& executor, Progress& progress) {
     const SynthesisOptions options = synthesis_options(arguments);
     SATEEN_TRY(const std::unique_ptr<ImageWriter> writer,
-               ImageWriter::open(arguments.output, material.bands, options.rows, options.cols,
-                                 write_options(arguments)));
+               ImageWriter::open(arguments.output, material.bands, options.rows,
+                                 options.cols, write_options(arguments)));
     SATEEN_CHECK(synthesise(
         material, subspace, options,
-        [&](std::size_t, ImageView<const float> strip) { return writer->write_rows(strip); },
+        [&](std::size_t, ImageView<const float> strip) {
+            return writer->write_rows(strip);
+        },
         executor, progress));
     return writer->finish();
 }
@@ -85,7 +87,8 @@ Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
     SATEEN_CHECK(synthesise_tiles(
         material, subspaces, synthesis_options(arguments),
         [&](std::size_t k, Image texture) -> Result<void> {
-            const std::string name = fmt::format("subspace_{:02}.{}", k, arguments.format);
+            const std::string name =
+                fmt::format("subspace_{:02}.{}", k, arguments.format);
             const std::string path =
                 (std::filesystem::path(arguments.output) / name).string();
             SATEEN_CHECK(write_image(path, texture.view(), write_options(arguments)));
@@ -113,7 +116,8 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     }
 
     progress.clear();
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double> elapsed =
+        std::chrono::steady_clock::now() - start;
     if (arguments.common.json) {
         nlohmann::ordered_json json;
         json["written"] = written;
@@ -132,8 +136,8 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
 
 Verb add_synthesise(CLI::App& program) {
     auto arguments = std::make_shared<SynthesiseArguments>();
-    CLI::App* verb =
-        program.add_subcommand("synthesise", "Draw seamless texture of any size from a material");
+    CLI::App* verb = program.add_subcommand(
+        "synthesise", "Draw seamless texture of any size from a material");
     verb->alias("synthesize");
     verb->add_option("material", arguments->material, "The material file")->required();
     verb->add_option("-o,--output", arguments->output,
@@ -145,7 +149,8 @@ Verb add_synthesise(CLI::App& program) {
             return std::string();
         };
     };
-    verb->add_option("--size", arguments->size, "Width x height in pixels, e.g. 2048x1024")
+    verb->add_option("--size", arguments->size,
+                     "Width x height in pixels, e.g. 2048x1024")
         ->capture_default_str()
         ->check(checked(parse_size));
     auto* offset = verb->add_option("--offset", arguments->offset,
@@ -160,8 +165,8 @@ Verb add_synthesise(CLI::App& program) {
     auto* light = verb->add_option("--light", arguments->light, "THETA,PHI in degrees")
                       ->capture_default_str()
                       ->check(checked(parse_direction));
-    auto* subspace =
-        verb->add_option("--subspace", arguments->subspace, "Number of a subspace instead");
+    auto* subspace = verb->add_option("--subspace", arguments->subspace,
+                                      "Number of a subspace instead");
     auto* all = verb->add_flag("--all", arguments->all,
                                "Tileable textures of every subspace, into a folder");
     verb->add_flag("--recursive", arguments->recursive,

@@ -36,7 +36,8 @@ AnalysisOptions with_paper_defaults(AnalysisOptions options) {
     return options;
 }
 
-/// The images that stand for each subspace: one representative, or all photographs pooled.
+/// The images that stand for each subspace: one representative, or all photographs
+/// pooled.
 struct Representatives {
     std::vector<std::vector<std::size_t>> observations;
     std::vector<std::uint32_t> members;
@@ -61,8 +62,10 @@ Result<Representatives> choose_representatives(const Measurement& measurement,
     segmentation.subspaces = options.subspaces;
     segmentation.seed = options.seed;
     segmentation.skip_bad = options.skip_bad;
-    SATEEN_TRY(Segmentation segments, segment(measurement, segmentation, executor, progress));
-    for (const std::string& reason : segments.pass.reasons) notes.push_back("skipped " + reason);
+    SATEEN_TRY(Segmentation segments,
+               segment(measurement, segmentation, executor, progress));
+    for (const std::string& reason : segments.pass.reasons)
+        notes.push_back("skipped " + reason);
     for (const std::size_t observation : segments.representatives)
         result.observations.push_back({observation});
     result.members = std::move(segments.members);
@@ -76,7 +79,8 @@ std::vector<IndexEntry> index_table(const MeasurementInfo& info,
     for (std::size_t i = 0; i < labels.size(); ++i)
         if (labels[i] != kUnreadable)
             index.push_back({static_cast<std::uint16_t>(info.observations[i].light),
-                             static_cast<std::uint16_t>(info.observations[i].view), labels[i]});
+                             static_cast<std::uint16_t>(info.observations[i].view),
+                             labels[i]});
     return index;
 }
 
@@ -99,19 +103,22 @@ Result<std::vector<Image>> read_all(const Measurement& measurement,
 
 }  // namespace
 
-Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& user_options,
-                         Executor& executor, Progress& progress) {
+Result<Analysis> analyse(const Measurement& measurement,
+                         const AnalysisOptions& user_options, Executor& executor,
+                         Progress& progress) {
     const AnalysisOptions options = with_paper_defaults(user_options);
     const MeasurementInfo& info = measurement.info();
     Analysis result{describe(info, options), info.skipped, {}};
     Material& material = result.material;
 
     // 1. Segment the BTF space into subspaces, each with its representative image.
-    SATEEN_TRY(const Representatives representatives,
-               choose_representatives(measurement, options, result.notes, executor, progress));
+    SATEEN_TRY(
+        const Representatives representatives,
+        choose_representatives(measurement, options, result.notes, executor, progress));
     material.index = index_table(info, representatives.labels);
 
-    // 2. Factorise each representative and estimate its fields. The first subspace comes first:
+    // 2. Factorise each representative and estimate its fields. The first subspace comes
+    // first:
     //    the others align their spectral transforms with it.
     progress.stage("modelling");
     const std::size_t count = representatives.observations.size();
@@ -127,7 +134,8 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
                          : Result<SubspaceFit>(std::move(images).error());
         const std::lock_guard lock(mutex);
         if (*fits[k])
-            (*fits[k])->notes.insert((*fits[k])->notes.begin(), notes.begin(), notes.end());
+            (*fits[k])->notes.insert((*fits[k])->notes.begin(), notes.begin(),
+                                     notes.end());
         progress.report(static_cast<double>(++finished), static_cast<double>(count));
     };
     fit(0);
@@ -143,8 +151,10 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
         subspace.members = representatives.members[k];
         const std::size_t observation = representatives.observations[k].front();
         if (info.has_directions()) {
-            subspace.view = static_cast<std::uint16_t>(info.observations[observation].view);
-            subspace.light = static_cast<std::uint16_t>(info.observations[observation].light);
+            subspace.view =
+                static_cast<std::uint16_t>(info.observations[observation].view);
+            subspace.light =
+                static_cast<std::uint16_t>(info.observations[observation].light);
         }
         for (const std::string& note : done.notes)
             result.notes.push_back("subspace " + std::to_string(k) + ": " + note);

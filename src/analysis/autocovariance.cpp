@@ -24,6 +24,10 @@ struct HalfSpectrum {
     [[nodiscard]] Index rows() const { return S.rows(); }
 };
 
+/// Border bands of the periodic part: wide enough that ribs, threads and stitches average
+/// out.
+constexpr double kBorderShare = 0.125;
+
 double frequency(Index k, Index n) {
     return 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
 }
@@ -31,21 +35,22 @@ double frequency(Index k, Index n) {
 /// W²(ω) along one axis for the binomial kernel: W(ω) = cos⁴(ω/2).
 Eigen::VectorXd squared_transfer(Index count, Index size) {
     Eigen::VectorXd W2(count);
-    for (Index k = 0; k < count; ++k) W2(k) = std::pow(std::cos(frequency(k, size) / 2), 8);
+    for (Index k = 0; k < count; ++k)
+        W2(k) = std::pow(std::cos(frequency(k, size) / 2), 8);
     return W2;
 }
 
 /// |F{p}|² / MN of the periodic part p of a plane, without the mean.
 Result<HalfSpectrum> periodogram(PlaneView<const float> plane, Executor& executor) {
     Image periodic(1, plane.rows, plane.cols);
-    SATEEN_CHECK(periodic_part(plane, periodic.plane(0), executor));
+    SATEEN_CHECK(periodic_part(plane, periodic.plane(0), executor, kBorderShare));
     SATEEN_TRY(const Fft2d fft, Fft2d::create(plane.rows, plane.cols));
     SplitComplexPlane spectrum(fft.rows(), fft.spectrum_cols());
     fft.forward(periodic.plane(0), spectrum.view(), executor);
 
-    HalfSpectrum half{Matrix(static_cast<Index>(fft.rows()),
-                             static_cast<Index>(fft.spectrum_cols())),
-                      static_cast<Index>(fft.cols())};
+    HalfSpectrum half{
+        Matrix(static_cast<Index>(fft.rows()), static_cast<Index>(fft.spectrum_cols())),
+        static_cast<Index>(fft.cols())};
     const double sites = static_cast<double>(plane.size());
     for (std::size_t m = 0; m < fft.rows(); ++m) {
         const float* re = spectrum.view().re.row(m);
@@ -53,7 +58,8 @@ Result<HalfSpectrum> periodogram(PlaneView<const float> plane, Executor& executo
         for (std::size_t n = 0; n < fft.spectrum_cols(); ++n) {
             const double a = static_cast<double>(re[n]);
             const double b = static_cast<double>(im[n]);
-            half.S(static_cast<Index>(m), static_cast<Index>(n)) = (a * a + b * b) / sites;
+            half.S(static_cast<Index>(m), static_cast<Index>(n)) =
+                (a * a + b * b) / sites;
         }
     }
     half.S(0, 0) = 0;
@@ -103,8 +109,8 @@ void subtract_expanded(const HalfSpectrum& coarse, HalfSpectrum& fine) {
 
 //     R(s) = (1/MN) Σ_m Σ_n w_n S(m, n) cos(ω1 s1 + ω2 s2),
 //
-// w_n = 2 for the columns that stand for two. The cosine of the sum separates, so that the
-// double sum is two matrix products: over columns first, then over rows.
+// w_n = 2 for the columns that stand for two. The cosine of the sum separates, so that
+// the double sum is two matrix products: over columns first, then over rows.
 Autocovariance autocovariance(const HalfSpectrum& half, int reach) {
     const Index M = half.rows();
     const Index N = half.cols;
@@ -152,7 +158,8 @@ void Autocovariance::pool(const Autocovariance& other) {
 }
 
 Result<std::vector<Autocovariance>> power_preserving_pyramid(PlaneView<const float> plane,
-                                                             std::size_t levels, int reach,
+                                                             std::size_t levels,
+                                                             int reach,
                                                              Executor& executor) {
     SATEEN_TRY(HalfSpectrum present, periodogram(plane, executor));
     std::vector<Autocovariance> result;

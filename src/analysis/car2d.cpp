@@ -65,8 +65,8 @@ NormalEquations interior_normal_equations(PlaneView<const float> plane,
         Eigen::VectorXd Y(width);
         for (int r = top; r < rows; ++r) {
             for (int c = 0; c < width; ++c)
-                Y(c) = static_cast<double>(
-                    plane(static_cast<std::size_t>(r), static_cast<std::size_t>(c + left)));
+                Y(c) = static_cast<double>(plane(static_cast<std::size_t>(r),
+                                                 static_cast<std::size_t>(c + left)));
             for (Index i = 0; i < eta; ++i) {
                 const Offset s = neighbourhood[static_cast<std::size_t>(i)];
                 const float* source =
@@ -88,17 +88,18 @@ NormalEquations interior_normal_equations(PlaneView<const float> plane,
 //     ln p = -½ ln|V_xx| - ((β-η+2)/2) ln λ + lnΓ((β-η+2)/2)
 //            + ½ ln|V_xx(0)| + ((β(0)-η+2)/2) ln λ(0) - lnΓ((β(0)-η+2)/2) - (n/2) ln π
 //
-// with λ(0) = V_yy(0), since V_xy(0) = 0. It is the normaliser of the posterior over that of
-// the prior, hence comparable between neighbourhoods of different size.
+// with λ(0) = V_yy(0), since V_xy(0) = 0. It is the normaliser of the posterior over that
+// of the prior, hence comparable between neighbourhoods of different size.
 Result<Car2dEstimate> estimate_car2d(const NormalEquations& equations,
                                      const Car2dPrior& prior) {
     const Index eta = static_cast<Index>(equations.neighbourhood.size());
     const double n = equations.sites;
     const double variance = n > 0 ? equations.V_yy / n : 0;
     if (!(variance > 0))
-        return Error{Errc::singular, "a constant plane has no autoregressive model: variance " +
-                                         std::to_string(variance) + " over " +
-                                         std::to_string(n) + " sites"};
+        return Error{Errc::singular,
+                     "a constant plane has no autoregressive model: variance " +
+                         std::to_string(variance) + " over " + std::to_string(n) +
+                         " sites"};
 
     const Matrix V_xx_0 = prior_V_xx(eta, prior.weight, variance);
     const Matrix V_xx =
@@ -148,9 +149,11 @@ RecursiveCar2d::RecursiveCar2d(std::vector<Offset> neighbourhood, double varianc
 }
 
 //     ζ = X_rᵀ V_xx⁻¹ X_r     ê = Y_r - γ̂ X_r
-//     γ̂ᵀ += V_xx⁻¹ X_r ê / (1+ζ)     λ += ê² / (1+ζ)     V_xx⁻¹ -= (V_xx⁻¹X)(V_xx⁻¹X)ᵀ / (1+ζ)
+//     γ̂ᵀ += V_xx⁻¹ X_r ê / (1+ζ)     λ += ê² / (1+ζ)     V_xx⁻¹ -= (V_xx⁻¹X)(V_xx⁻¹X)ᵀ /
+//     (1+ζ)
 //
-//     p(Y_r | past) = Γ((β-η+3)/2) / (Γ((β-η+2)/2) √(π(1+ζ)λ)) · (1 + ê²/(λ(1+ζ)))^{-(β-η+3)/2}
+//     p(Y_r | past) = Γ((β-η+3)/2) / (Γ((β-η+2)/2) √(π(1+ζ)λ)) · (1 +
+//     ê²/(λ(1+ζ)))^{-(β-η+3)/2}
 double RecursiveCar2d::update(std::span<const double> X_r, double Y_r) {
     const Index eta = static_cast<Index>(gamma_.size());
     const Eigen::Map<const Eigen::VectorXd> X(X_r.data(), eta);

@@ -28,7 +28,8 @@ double companion_radius(const std::vector<Complex>& b) {
 }  // namespace
 
 // (i)  Within a row: the roots of 1 - Σ_{s1=0} a_s z^{-s2}.
-// (ii) Between rows: at a column frequency ω the rows obey C_0 y_r = Σ_k C_k y_{r-k} + e with
+// (ii) Between rows: at a column frequency ω the rows obey C_0 y_r = Σ_k C_k y_{r-k} + e
+// with
 //      C_0 = 1 - Σ_{s1=0} a_s e^{-jω s2},  C_k = Σ_{s1=k} a_s e^{-jω s2};
 //      the companion matrix of C_k / C_0 for every ω on a grid.
 double spectral_radius(const Car2d& model, std::size_t frequencies) {
@@ -36,19 +37,22 @@ double spectral_radius(const Car2d& model, std::size_t frequencies) {
     std::size_t reach_cols = 0;
     for (const Offset s : model.neighbourhood) {
         reach_rows = std::max(reach_rows, static_cast<std::size_t>(s.row));
-        if (s.row == 0) reach_cols = std::max(reach_cols, static_cast<std::size_t>(s.col));
+        if (s.row == 0)
+            reach_cols = std::max(reach_cols, static_cast<std::size_t>(s.col));
     }
     std::vector<Complex> within(reach_cols, 0.0);
     for (std::size_t i = 0; i < model.a.size(); ++i) {
         const Offset s = model.neighbourhood[i];
-        if (s.row == 0) within[static_cast<std::size_t>(s.col - 1)] += static_cast<double>(model.a[i]);
+        if (s.row == 0)
+            within[static_cast<std::size_t>(s.col - 1)] +=
+                static_cast<double>(model.a[i]);
     }
     double radius = companion_radius(within);
 
     // C(-ω) is the conjugate of C(ω), so half of the circle is enough.
     for (std::size_t k = 0; k <= frequencies / 2; ++k) {
-        const double omega =
-            2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(frequencies);
+        const double omega = 2 * std::numbers::pi * static_cast<double>(k) /
+                             static_cast<double>(frequencies);
         std::vector<Complex> C(reach_rows + 1, 0.0);
         C[0] = 1;
         for (std::size_t i = 0; i < model.a.size(); ++i) {
@@ -58,7 +62,8 @@ double spectral_radius(const Car2d& model, std::size_t frequencies) {
             C[static_cast<std::size_t>(s.row)] += s.row == 0 ? -term : term;
         }
         std::vector<Complex> between;
-        for (std::size_t row = 1; row <= reach_rows; ++row) between.push_back(C[row] / C[0]);
+        for (std::size_t row = 1; row <= reach_rows; ++row)
+            between.push_back(C[row] / C[0]);
         radius = std::max(radius, companion_radius(between));
     }
     return radius;
@@ -68,8 +73,8 @@ double spectral_radius(const Car2d& model, std::size_t frequencies) {
 double model_variance(const Car2d& model, std::size_t grid) {
     std::vector<Complex> phases;
     for (std::size_t k = 0; k < grid; ++k)
-        phases.push_back(std::polar(
-            1.0, -2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(grid)));
+        phases.push_back(std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k) /
+                                             static_cast<double>(grid)));
     const auto phase = [&](std::size_t k, int step) {
         const auto n = static_cast<std::ptrdiff_t>(grid);
         const std::ptrdiff_t turn = static_cast<std::ptrdiff_t>(k) * step % n;

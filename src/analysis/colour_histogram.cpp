@@ -84,8 +84,7 @@ ColourHistogram colour_histogram(ImageView<const float> image) {
         for (std::size_t c = 0; c < 3; ++c) counters[c].add(out(c), kLabBins[c]);
     }
     ColourHistogram histogram;
-    for (std::size_t c = 0; c < 3; ++c)
-        histogram.channels[c] = counters[c].occupied();
+    for (std::size_t c = 0; c < 3; ++c) histogram.channels[c] = counters[c].occupied();
     histogram.pixels = count;
     return histogram;
 }

@@ -18,8 +18,8 @@
 namespace sateen {
 namespace {
 
-/// Factors below this share of the total variance are rounding noise of a grey or two-colour
-/// material: they are kept constant.
+/// Factors below this share of the total variance are rounding noise of a grey or
+/// two-colour material: they are kept constant.
 constexpr double kNegligibleShare = 1e-6;
 /// Below this deviation, in units of the tone, a plane is constant.
 constexpr double kNegligibleDeviation = 1e-5;
@@ -58,8 +58,8 @@ Result<std::vector<Autocovariance>> level_statistics(
     for (const auto& plane : planes) {
         Image gaussian(1, plane.rows, plane.cols);
         marginal.gaussianise(plane, gaussian.plane(0));
-        SATEEN_TRY(const auto statistics, power_preserving_pyramid(gaussian.plane(0), levels,
-                                                                   reach, executor));
+        SATEEN_TRY(const auto statistics,
+                   power_preserving_pyramid(gaussian.plane(0), levels, reach, executor));
         for (std::size_t level = 0; level < levels; ++level)
             pooled[level].pool(statistics[level]);
     }
@@ -74,12 +74,14 @@ Result<Car2d> fit_level(const Autocovariance& R, const AnalysisOptions& options)
                estimate_car2d(toroidal_normal_equations(R, std::move(neighbourhood))));
     Car2d model = std::move(estimate.model);
     const double implied = model_variance(model);
-    model.variance = static_cast<float>(static_cast<double>(model.variance) * R.variance() / implied);
+    model.variance =
+        static_cast<float>(static_cast<double>(model.variance) * R.variance() / implied);
     return model;
 }
 
 /// The field of one band of the ordinary pyramid, as [CAR2] estimates it.
-Result<Car2d> fit_level_as_printed(PlaneView<const float> band, const AnalysisOptions& options) {
+Result<Car2d> fit_level_as_printed(PlaneView<const float> band,
+                                   const AnalysisOptions& options) {
     Autocovariance unused(1, static_cast<double>(band.size()));
     SATEEN_TRY(auto neighbourhood, select_neighbourhood(unused, options.neighbourhood));
     Result<Car2dEstimate> estimate =
@@ -103,8 +105,9 @@ double variance_of(PlaneView<const float> band) {
 
 /// Fields of all levels of one plane, in the default mode.
 Result<std::vector<Car2d>> fit_plane(std::span<const PlaneView<const float>> planes,
-                                     const MarginalDistribution& marginal, std::size_t levels,
-                                     const AnalysisOptions& options, Executor& executor) {
+                                     const MarginalDistribution& marginal,
+                                     std::size_t levels, const AnalysisOptions& options,
+                                     Executor& executor) {
     const int reach = 2 * reach_of(options.neighbourhood);
     SATEEN_TRY(const auto statistics,
                level_statistics(planes, marginal, levels, reach, executor));
@@ -116,15 +119,15 @@ Result<std::vector<Car2d>> fit_plane(std::span<const PlaneView<const float>> pla
     return fields;
 }
 
-/// Fields of all levels of one plane, in paper mode. Several photographs: the first counts.
-Result<std::vector<Car2d>> fit_plane_as_printed(PlaneView<const float> plane, double scale,
-                                                std::size_t levels, std::size_t number,
-                                                const AnalysisOptions& options,
-                                                std::vector<std::string>& notes,
-                                                Executor& executor) {
+/// Fields of all levels of one plane, in paper mode. Several photographs: the first
+/// counts.
+Result<std::vector<Car2d>> fit_plane_as_printed(
+    PlaneView<const float> plane, double scale, std::size_t levels, std::size_t number,
+    const AnalysisOptions& options, std::vector<std::string>& notes, Executor& executor) {
     Image unit(1, plane.rows, plane.cols);
     const float inverse = static_cast<float>(1 / scale);
-    for (std::size_t i = 0; i < plane.size(); ++i) unit.values()[i] = plane.data[i] * inverse;
+    for (std::size_t i = 0; i < plane.size(); ++i)
+        unit.values()[i] = plane.data[i] * inverse;
     SATEEN_TRY(std::vector<Image> bands, decompose(unit.view(), levels, executor));
     std::vector<Car2d> fields;
     for (std::size_t level = 0; level < levels; ++level) {
@@ -147,12 +150,14 @@ std::size_t choose_levels(std::size_t side_px, const AnalysisOptions& options) {
                                : options.paper     ? kPaperLevels
                                                    : 5;
     std::size_t levels = 1;
-    while (levels < wanted && side_px >> levels >= (options.levels != 0 ? 2 : kCoarsestSide))
+    while (levels < wanted &&
+           side_px >> levels >= (options.levels != 0 ? 2 : kCoarsestSide))
         ++levels;
     return levels;
 }
 
-Result<SubspaceFit> fit_subspace(std::vector<Image> images, const AnalysisOptions& options,
+Result<SubspaceFit> fit_subspace(std::vector<Image> images,
+                                 const AnalysisOptions& options,
                                  const SpectralTransform* reference, Executor& executor) {
     std::size_t side = std::numeric_limits<std::size_t>::max();
     for (const Image& image : images) side = std::min({side, image.rows(), image.cols()});
@@ -189,13 +194,13 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images, const AnalysisOption
             deviation * deviation > kNegligibleShare * total_variance) {
             if (options.paper) {
                 marginal = distribution.without_curve();
-                SATEEN_TRY(fields, fit_plane_as_printed(images.front().plane(plane), deviation,
-                                                        levels, plane, options, fit.notes,
-                                                        executor));
+                SATEEN_TRY(fields, fit_plane_as_printed(images.front().plane(plane),
+                                                        deviation, levels, plane, options,
+                                                        fit.notes, executor));
             } else {
                 marginal = distribution.fit_curve();
-                SATEEN_TRY(fields, fit_plane(planes_of(images, plane), distribution, levels,
-                                             options, executor));
+                SATEEN_TRY(fields, fit_plane(planes_of(images, plane), distribution,
+                                             levels, options, executor));
             }
         }
         subspace.marginals.push_back(std::move(marginal));

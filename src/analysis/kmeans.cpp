@@ -24,8 +24,9 @@ constexpr int kMaxSteps = 1000;
 // by side: one running sum would wait for every addition.
 constexpr std::size_t kLanes = 4;
 
-// ‖x - y‖²; or, where the first features alone show that it is not below `limit`, a number
-// not below it. Most centres are far off, and principal components tell so soonest.
+// ‖x - y‖²; or, where the first features alone show that it is not below `limit`, a
+// number not below it. Most centres are far off, and principal components tell so
+// soonest.
 double squared_distance(const double* x, const double* y, std::size_t features,
                         double limit = kInfinity) {
     std::array<double, kLanes> sum = {};
@@ -85,9 +86,9 @@ class Start {
     [[nodiscard]] double uniform(std::size_t draw) const {
         const auto w =
             philox4x32_10({static_cast<std::uint32_t>(draw), number_, 0, 0}, key_);
-        return std::ldexp(static_cast<double>(w[0] >> 5U) * 0x1p26 +
-                              static_cast<double>(w[1] >> 6U),
-                          -53);
+        return std::ldexp(
+            static_cast<double>(w[0] >> 5U) * 0x1p26 + static_cast<double>(w[1] >> 6U),
+            -53);
     }
 
     // K-means++: every next centre is a point, drawn with probability proportional to its
@@ -230,8 +231,8 @@ class Start {
             --members[label_[worst]];
             ++members[k];
             label_[worst] = static_cast<std::uint32_t>(k);
-            std::copy_n(points_.row(worst), features_, centre_.begin() +
-                        static_cast<std::ptrdiff_t>(k * features_));
+            std::copy_n(points_.row(worst), features_,
+                        centre_.begin() + static_cast<std::ptrdiff_t>(k * features_));
             // The centre jumped, so no bound holds any more.
             std::fill(upper_.begin(), upper_.end(), kInfinity);
             std::fill(lower_.begin(), lower_.end(), 0.0);
@@ -265,14 +266,12 @@ Clustering kmeans(PlaneView<const double> points, const KMeansOptions& options,
 
     std::vector<Clustering> found(options.restarts);
     parallel_for(executor, found.size(), [&](std::size_t start) {
-        found[start] =
-            Start(padded, options, static_cast<std::uint32_t>(start)).result();
+        found[start] = Start(padded, options, static_cast<std::uint32_t>(start)).result();
     });
     // The first of equals, so that the choice does not depend on the executor.
     Clustering best = std::move(*std::min_element(
-        found.begin(), found.end(), [](const Clustering& a, const Clustering& b) {
-            return a.inertia < b.inertia;
-        }));
+        found.begin(), found.end(),
+        [](const Clustering& a, const Clustering& b) { return a.inertia < b.inertia; }));
     std::vector<double> centres(best.clusters * points.cols);
     for (std::size_t k = 0; k < best.clusters; ++k)
         std::copy_n(best.centres.data() + k * width, points.cols,

@@ -14,9 +14,10 @@
 namespace sateen {
 namespace {
 
-// Values are ranked by their leading 18 bits: sign, exponent and 9 bits of mantissa, so two
-// values in one bin differ by at most 0.2 %, well below the steps of 8-bit photographs, for any
-// range and with no tuning. Ranks are then a count of 2^18 bins rather than a sort.
+// Values are ranked by their leading 18 bits: sign, exponent and 9 bits of mantissa, so
+// two values in one bin differ by at most 0.2 %, well below the steps of 8-bit
+// photographs, for any range and with no tuning. Ranks are then a count of 2^18 bins
+// rather than a sort.
 constexpr unsigned kKeyBits = 18;
 constexpr std::uint32_t kNoBin = 0xFFFFFFFFU;
 
@@ -50,7 +51,8 @@ void make_monotone(Eigen::VectorXd& values, const Eigen::VectorXd& weights) {
     std::vector<Block> blocks;
     for (Eigen::Index i = 0; i < values.size(); ++i) {
         blocks.push_back({values(i), weights(i), 1});
-        while (blocks.size() > 1 && blocks[blocks.size() - 2].value > blocks.back().value) {
+        while (blocks.size() > 1 &&
+               blocks[blocks.size() - 2].value > blocks.back().value) {
             const Block last = blocks.back();
             blocks.pop_back();
             Block& into = blocks.back();
@@ -99,7 +101,8 @@ double normal_quantile(double p) {
     return x - u / (1 + x * u / 2);
 }
 
-MarginalDistribution::MarginalDistribution(std::span<const PlaneView<const float>> planes) {
+MarginalDistribution::MarginalDistribution(
+    std::span<const PlaneView<const float>> planes) {
     bin_of_key_.assign(std::size_t{1} << kKeyBits, 0);
     std::vector<double> sums(bin_of_key_.size(), 0.0);
     double total = 0;
@@ -122,7 +125,8 @@ MarginalDistribution::MarginalDistribution(std::span<const PlaneView<const float
         }
         bin_of_key_[key] = static_cast<std::uint32_t>(bins_.size());
         const double mid_rank = (below + count / 2) / total;
-        bins_.push_back({sums[key] / count, count, static_cast<float>(normal_quantile(mid_rank))});
+        bins_.push_back(
+            {sums[key] / count, count, static_cast<float>(normal_quantile(mid_rank))});
         below += count;
         sum += sums[key];
     }
@@ -133,7 +137,8 @@ MarginalDistribution::MarginalDistribution(std::span<const PlaneView<const float
     deviation_ = std::sqrt(squares / total);
 }
 
-void MarginalDistribution::gaussianise(PlaneView<const float> in, PlaneView<float> out) const {
+void MarginalDistribution::gaussianise(PlaneView<const float> in,
+                                       PlaneView<float> out) const {
     for (std::size_t r = 0; r < in.rows; ++r)
         for (std::size_t c = 0; c < in.cols; ++c)
             out(r, c) = bins_[bin_of_key_[key_of(in(r, c))]].normal;
@@ -141,8 +146,8 @@ void MarginalDistribution::gaussianise(PlaneView<const float> in, PlaneView<floa
 
 Marginal MarginalDistribution::fit_curve() const {
     constexpr auto kKnots = static_cast<Eigen::Index>(Marginal::kKnots);
-    // A weak pull towards the Gaussian straight line decides knots that no value reaches; it
-    // acts on the second difference and so leaves mean and slope alone.
+    // A weak pull towards the Gaussian straight line decides knots that no value reaches;
+    // it acts on the second difference and so leaves mean and slope alone.
     constexpr double kSmoothness = 1e-6;
     double total = 0;
     Eigen::MatrixXd normal_matrix = Eigen::MatrixXd::Zero(kKnots, kKnots);
@@ -168,7 +173,8 @@ Marginal MarginalDistribution::fit_curve() const {
         normal_matrix += kSmoothness * total * second * second.transpose();
     }
     Eigen::VectorXd weights = normal_matrix.rowwise().sum();
-    for (Eigen::Index j = 0; j < kKnots; ++j) weights(j) = std::max(weights(j), 1e-9 * total);
+    for (Eigen::Index j = 0; j < kKnots; ++j)
+        weights(j) = std::max(weights(j), 1e-9 * total);
     Eigen::VectorXd knots = normal_matrix.ldlt().solve(right);
     make_monotone(knots, weights);
 

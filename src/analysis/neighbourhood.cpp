@@ -16,14 +16,16 @@ constexpr int kCorrelationReach = 5;
 int reach_of_order(int order) {
     int reach = 0;
     for (const Offset s : hierarchical_half_plane(order))
-        reach = std::max({reach, static_cast<int>(s.row), std::abs(static_cast<int>(s.col))});
+        reach =
+            std::max({reach, static_cast<int>(s.row), std::abs(static_cast<int>(s.col))});
     return reach;
 }
 
 /// The largest order up to `order` that the sites can bear, at least 1.
 int affordable_order(double sites, int order) {
     while (order > 1 &&
-           kSitesPerCoefficient * static_cast<double>(hierarchical_half_plane(order).size()) >
+           kSitesPerCoefficient *
+                   static_cast<double>(hierarchical_half_plane(order).size()) >
                sites)
         --order;
     return order;
@@ -52,9 +54,8 @@ std::vector<Offset> select_by_correlation(const Autocovariance& R, std::size_t c
             const Offset s{static_cast<std::int8_t>(row), static_cast<std::int8_t>(col)};
             if (is_causal(s)) offsets.push_back(s);
         }
-    std::stable_sort(offsets.begin(), offsets.end(), [&](Offset s, Offset t) {
-        return std::abs(R(s)) > std::abs(R(t));
-    });
+    std::stable_sort(offsets.begin(), offsets.end(),
+                     [&](Offset s, Offset t) { return std::abs(R(s)) > std::abs(R(t)); });
     offsets.resize(std::min(count, offsets.size()));
     return offsets;
 }
@@ -64,9 +65,10 @@ Result<std::vector<Offset>> select_by_evidence(const Autocovariance& R, int max_
     std::vector<Offset> best;
     double best_evidence = 0;
     for (int order = 1; order <= affordable_order(R.sites(), max_order); ++order) {
-        SATEEN_TRY(const Car2dEstimate estimate,
-                   estimate_car2d(
-                       toroidal_normal_equations(R, hierarchical_half_plane(order)), prior));
+        SATEEN_TRY(
+            const Car2dEstimate estimate,
+            estimate_car2d(toroidal_normal_equations(R, hierarchical_half_plane(order)),
+                           prior));
         if (best.empty() || estimate.log_evidence > best_evidence) {
             best = estimate.model.neighbourhood;
             best_evidence = estimate.log_evidence;

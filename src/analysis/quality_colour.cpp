@@ -30,22 +30,6 @@ std::vector<float> luminance(const Image& linear) {
     return y;
 }
 
-Image to_lab(const Image& linear, float exposure) {
-    Image lab(3, linear.rows(), linear.cols());
-    const std::size_t n = linear.plane_size();
-    std::vector<float> exposed(linear.values().begin(), linear.values().end());
-    for (float& v : exposed) v *= exposure;
-    const std::span<const float> in = exposed;
-    const std::span<float> out = lab.values();
-    if (linear.bands() == 1) {
-        lightness_from_linear(in, out.first(n));
-    } else {
-        lab_from_linear_srgb(in.first(n), in.subspan(n, n), in.subspan(2 * n, n),
-                             out.first(n), out.subspan(n, n), out.subspan(2 * n, n));
-    }
-    return lab;
-}
-
 constexpr std::size_t kDirections = 16;
 
 // Points of a Fibonacci lattice on the upper half sphere.
@@ -121,6 +105,22 @@ float choose_exposure(const Image& linear) {
     constexpr float kTarget = 0.5F;
     if (*white > kBrightest || (*white<kDarkest&& * white> 0)) return kTarget / *white;
     return 1;
+}
+
+Image to_lab(const Image& linear, float exposure) {
+    Image lab(3, linear.rows(), linear.cols());
+    const std::size_t n = linear.plane_size();
+    std::vector<float> exposed(linear.values().begin(), linear.values().end());
+    for (float& v : exposed) v *= exposure;
+    const std::span<const float> in = exposed;
+    const std::span<float> out = lab.values();
+    if (linear.bands() == 1) {
+        lightness_from_linear(in, out.first(n));
+    } else {
+        lab_from_linear_srgb(in.first(n), in.subspan(n, n), in.subspan(2 * n, n),
+                             out.first(n), out.subspan(n, n), out.subspan(2 * n, n));
+    }
+    return lab;
 }
 
 ColourBasis estimate_basis(const Image& linear) {

@@ -34,6 +34,8 @@ struct ColourBasis {
 [[nodiscard]] ColourBasis estimate_basis(const Image& linear);
 /// (3, rows, cols): axes (Lab(exposure x) - mean).
 [[nodiscard]] Image to_planes(const Image& linear, const ColourBasis& basis);
+/// (3, rows, cols): Lab of the exposed image.
+[[nodiscard]] Image to_lab(const Image& linear, float exposure);
 /// CIE lightness of the exposed image.
 [[nodiscard]] Image to_lightness(const Image& linear, float exposure);
 [[nodiscard]] float choose_exposure(const Image& linear);

@@ -37,7 +37,8 @@ Result<void> check(const SegmentationOptions& options, std::size_t images) {
         return Error{Errc::invalid_argument, name + ": expected " + expected};
     };
     if (images == 0)
-        return Error{Errc::invalid_argument, "the measurement holds no images to segment"};
+        return Error{Errc::invalid_argument,
+                     "the measurement holds no images to segment"};
     if (options.subspaces > kMaxSubspaces)
         return Error{Errc::invalid_argument,
                      "subspaces: found " + std::to_string(options.subspaces) +
@@ -98,14 +99,15 @@ Reduced reduce(const Features& features) {
         reduced.lost = next;
         --kept;
     }
-    reduced.features = features * eigen.eigenvectors().rightCols(kept).rowwise().reverse();
+    reduced.features =
+        features * eigen.eigenvectors().rightCols(kept).rowwise().reverse();
     return reduced;
 }
 
 // The clusters that were asked for; or the smallest number of them, up to kMaxSubspaces,
-// that explains `share` of the variance, found by bisection, since the least inertia falls
-// with their number. The search makes do with two starts: the full number of them, which
-// begins with the same two, can only explain more.
+// that explains `share` of the variance, found by bisection, since the least inertia
+// falls with their number. The search makes do with two starts: the full number of them,
+// which begins with the same two, can only explain more.
 Clustering cluster(const Features& features, const SegmentationOptions& options,
                    Executor& executor) {
     const Reduced reduced = reduce(features);
@@ -116,10 +118,9 @@ Clustering cluster(const Features& features, const SegmentationOptions& options,
         return kmeans(points, {clusters, options.seed, restarts, kResolution}, executor);
     };
     if (options.subspaces != 0) return run(options.subspaces, options.restarts);
-    const double rounding =
-        static_cast<double>(points.rows) * kResolution * kResolution;
-    const double allowed = std::max(
-        rounding, (1.0 - options.share) * features.squaredNorm() - reduced.lost);
+    const double rounding = static_cast<double>(points.rows) * kResolution * kResolution;
+    const double allowed =
+        std::max(rounding, (1.0 - options.share) * features.squaredNorm() - reduced.lost);
     const std::uint32_t few = std::min(options.restarts, 2U);
     std::size_t below = 0;
     std::size_t enough = kMaxSubspaces;
@@ -241,8 +242,7 @@ Result<Segmentation> segment(const Measurement& measurement,
     Features features = make_features(summaries, readable, options.orientation_weight);
     features.rowwise() -= features.colwise().mean().eval();
     Clustering clustering = cluster(features, options, executor);
-    if (progress.cancelled())
-        return Error{Errc::cancelled, "cancelled while segmenting"};
+    if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while segmenting"};
     sort_by_lightness(clustering, lightness);
 
     // 3. Choose the image that stands for each cluster.

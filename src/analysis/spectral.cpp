@@ -28,12 +28,14 @@ Moments moments_of(std::span<const Image> images) {
     const Index d = static_cast<Index>(images.front().bands());
     Moments moments{Eigen::VectorXd::Zero(d), Matrix::Zero(d, d), 0};
     for (const Image& image : images) {
-        const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
+        const Eigen::Map<
+            const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
             values(image.values().data(), d, static_cast<Index>(image.plane_size()));
         constexpr Index kBlock = 4096;
         for (Index start = 0; start < values.cols(); start += kBlock) {
             const Matrix block =
-                values.middleCols(start, std::min(kBlock, values.cols() - start)).cast<double>();
+                values.middleCols(start, std::min(kBlock, values.cols() - start))
+                    .cast<double>();
             moments.sum += block.rowwise().sum();
             moments.products.noalias() += block * block.transpose();
         }
@@ -90,7 +92,8 @@ void align(SpectralTransform& transform, const SpectralTransform& reference) {
     std::vector<float> T;
     for (std::size_t row = 0; row < d; ++row) {
         const float sign = dot(best[row], row) < 0 ? -1.0F : 1.0F;
-        for (std::size_t i = 0; i < d; ++i) T.push_back(sign * transform.T[best[row] * d + i]);
+        for (std::size_t i = 0; i < d; ++i)
+            T.push_back(sign * transform.T[best[row] * d + i]);
     }
     transform.T = std::move(T);
 }
@@ -111,7 +114,8 @@ Image decorrelate(const Image& image, const SpectralTransform& transform) {
             const float t = transform.T[row * d + band];
             const float mean = transform.mean[band];
             const float* in = image.plane(band).data;
-            for (std::size_t i = 0; i < image.plane_size(); ++i) out[i] += t * (in[i] - mean);
+            for (std::size_t i = 0; i < image.plane_size(); ++i)
+                out[i] += t * (in[i] - mean);
         }
     }
     return result;

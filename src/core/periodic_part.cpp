@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+// Periodic plus smooth decomposition. See periodic_part.hpp.
 #include "sateen/core/periodic_part.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -11,18 +13,38 @@
 namespace sateen {
 namespace {
 
+/// How many pixels along an axis of n make a border band.
+std::size_t band_width(std::size_t n, double share) {
+    return std::max(std::size_t{1},
+                    static_cast<std::size_t>(share * static_cast<double>(n)));
+}
+
+/// The mean of the last w values of a line of n less that of the first w, `step` apart,
+/// enlarged by (n - 1) / (n - w): what a ramp jumps from its last value to its first.
+float band_jump(const float* line, std::size_t n, std::size_t step, std::size_t w) {
+    if (n == w) return 0;
+    double difference = 0;
+    for (std::size_t k = 0; k < w; ++k)
+        difference += static_cast<double>(line[(n - 1 - k) * step]) -
+                      static_cast<double>(line[k * step]);
+    return static_cast<float>(difference / static_cast<double>(w) *
+                              static_cast<double>(n - 1) / static_cast<double>(n - w));
+}
+
 /// v: each border pixel gets what its neighbour across the border has more than itself; a
 /// corner has two such neighbours.
-void border_jumps(PlaneView<const float> u, PlaneView<float> v) {
+void border_jumps(PlaneView<const float> u, PlaneView<float> v, double border_share) {
     const std::size_t bottom = u.rows - 1;
     const std::size_t right = u.cols - 1;
+    const std::size_t height = band_width(u.rows, border_share);
+    const std::size_t width = band_width(u.cols, border_share);
     for (std::size_t c = 0; c < u.cols; ++c) {
-        const float jump = u(bottom, c) - u(0, c);
+        const float jump = band_jump(u.row(0) + c, u.rows, u.stride, height);
         v(0, c) += jump;
         v(bottom, c) -= jump;
     }
     for (std::size_t r = 0; r < u.rows; ++r) {
-        const float jump = u(r, right) - u(r, 0);
+        const float jump = band_jump(u.row(r), u.cols, 1, width);
         v(r, 0) += jump;
         v(r, right) -= jump;
     }
@@ -57,12 +79,13 @@ void solve_poisson(SplitComplexView<float> v, std::size_t cols, Executor& execut
 }  // namespace
 
 Result<void> periodic_part(PlaneView<const float> in, PlaneView<float> out,
-                           Executor& executor) {
+                           Executor& executor, double border_share) {
+    assert(border_share >= 0 && border_share <= 0.5);
     assert(in.rows == out.rows && in.cols == out.cols);
     SATEEN_TRY(const Fft2d fft, Fft2d::create(in.rows, in.cols));
     Image smooth(1, in.rows, in.cols);
     const PlaneView<float> s = smooth.plane(0);
-    border_jumps(in, s);
+    border_jumps(in, s, border_share);
     SplitComplexPlane spectrum(in.rows, fft.spectrum_cols());
     fft.forward(s, spectrum.view(), executor);
     solve_poisson(spectrum.view(), in.cols, executor);

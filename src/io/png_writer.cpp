@@ -82,8 +82,9 @@ class Deflater {
     }
 
   private:
-    /// Level 1 is the own coder: six times faster than zlib's level 1, files 1 to 4 %
-    /// larger.
+    /// Level 1 is the own coder. On three photographs of materials, 8 bit, the whole
+    /// writer is five times as fast with it as with zlib's level 2, and files are 2 to 4
+    /// % larger.
     [[nodiscard]] bool zlib() const { return level_ != 1; }
 
     z_stream stream_ = {};
@@ -92,8 +93,8 @@ class Deflater {
 };
 
 /// Filter 3 of the PNG specification: the difference to the mean of left and above. On
-/// photographs of materials it leaves files 2 to 5 % smaller than the other filters do,
-/// and unlike filter 4 it vectorises.
+/// three photographs of materials it left files 2 to 8 % smaller than filters 1, 2 and 4
+/// did, each used throughout, and unlike filter 4 it vectorises.
 void filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t count,
                 std::size_t pixel_bytes, std::uint8_t* out) {
     *out++ = 3;

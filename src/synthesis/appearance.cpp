@@ -59,7 +59,8 @@ class DecodeTable {
 
 }  // namespace
 
-void invert_spectral(const Subspace& subspace, ImageView<float> planes, Executor& executor) {
+void invert_spectral(const Subspace& subspace, ImageView<float> planes,
+                     Executor& executor) {
     const std::size_t d = planes.bands;
     const SpectralTransform& transform = subspace.spectral;
     std::vector<Curve> curves;
@@ -68,13 +69,15 @@ void invert_spectral(const Subspace& subspace, ImageView<float> planes, Executor
 
     parallel_for(executor, planes.rows, [&](std::size_t r) {
         std::array<float*, kMaxBands> row{};
-        for (std::size_t band = 0; band < d; ++band) row[band] = planes.plane(band).row(r);
+        for (std::size_t band = 0; band < d; ++band)
+            row[band] = planes.plane(band).row(r);
         for (std::size_t c = 0; c < planes.cols; ++c) {
             std::array<float, kMaxBands> q{};
             for (std::size_t i = 0; i < d; ++i) q[i] = curves[i](row[i][c]);
             for (std::size_t band = 0; band < d; ++band) {
                 float value = transform.mean[band];
-                for (std::size_t i = 0; i < d; ++i) value += transform.T[i * d + band] * q[i];
+                for (std::size_t i = 0; i < d; ++i)
+                    value += transform.T[i * d + band] * q[i];
                 row[band][c] =
                     transform.tone == Tone::srgb ? decode(value) : std::max(value, 0.0F);
             }

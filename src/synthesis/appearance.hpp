@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From drawn planes to reflectance: marginal curves, inverse Karhunen-Loève transform, tone.
-// Theory: docs/theory/marginal.md, docs/theory/spectral.md. Partner: analysis/spectral.
+// From drawn planes to reflectance: marginal curves, inverse Karhunen-Loève transform,
+// tone. Theory: docs/theory/marginal.md, docs/theory/spectral.md. Partner:
+// analysis/spectral.
 #pragma once
 
 #include "sateen/core/image.hpp"
@@ -11,6 +12,7 @@ namespace sateen {
 
 /// v = tone⁻¹(Tᵀ q(g) + mean), negative values clipped to 0, in place.
 /// \param planes  (d, rows, cols): standard normal fields g in, linear reflectance out
-void invert_spectral(const Subspace& subspace, ImageView<float> planes, Executor& executor);
+void invert_spectral(const Subspace& subspace, ImageView<float> planes,
+                     Executor& executor);
 
 }  // namespace sateen

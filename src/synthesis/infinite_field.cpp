@@ -14,8 +14,8 @@ namespace {
 
 /// Levels of the fine part. Two levels reach about 30 sites; the third would double that.
 constexpr std::size_t kFineLevels = 2;
-/// Blocks of the Fourier transforms: the smallest that keep the overlap below a third and fit
-/// into the second-level cache.
+/// Blocks of the Fourier transforms: the smallest that keep the overlap below a third and
+/// fit into the second-level cache.
 constexpr std::size_t kBlockRows = 512;
 constexpr std::size_t kBlockCols = 512;
 /// Blocks that must hold the kernel of a whole pyramid.
@@ -38,15 +38,19 @@ Result<InfiniteField> InfiniteField::create(const PlaneField& field, Period peri
                                             Executor& executor) {
     InfiniteField result;
     result.period_ = period;
-    const bool split = field.levels.size() > kFineLevels && divisible(period, kFineLevels);
+    const bool split =
+        field.levels.size() > kFineLevels && divisible(period, kFineLevels);
     const std::size_t rows = split ? kBlockRows : kWholeBlockRows;
     const std::size_t cols = split ? kBlockCols : kWholeBlockCols;
-    const double variance = mean_density(
-        spectral_density(field, kBlockRows, kBlockCols, executor).plane(0), kBlockCols);
+    Image whole = spectral_density(field, kBlockRows, kBlockCols, executor);
+    suppress_unmeasured(field, whole.plane(0), kBlockCols);
+    const double variance = mean_density(whole.plane(0), kBlockCols);
     const float unit = variance > 0 ? static_cast<float>(1 / std::sqrt(variance)) : 0.0F;
 
-    const auto kernel = [&](const PlaneField& part, bool pin_mean) -> Result<OverlapSave> {
-        const Image density = spectral_density(part, rows, cols, executor);
+    const auto kernel = [&](const PlaneField& part,
+                            bool pin_mean) -> Result<OverlapSave> {
+        Image density = spectral_density(part, rows, cols, executor);
+        if (pin_mean) suppress_unmeasured(part, density.plane(0), cols);
         SATEEN_TRY(OverlapSave overlap_save,
                    OverlapSave::create(density.plane(0), cols, pin_mean, executor));
         overlap_save.scale(unit);
@@ -62,26 +66,30 @@ Result<InfiniteField> InfiniteField::create(const PlaneField& field, Period peri
     return result;
 }
 
-std::size_t InfiniteField::strip_rows() const { return fine_->block_rows(); }
+std::size_t InfiniteField::strip_rows() const {
+    return fine_->block_rows();
+}
 
-Result<void> InfiniteField::draw(std::uint64_t seed, std::uint32_t plane, std::int32_t row,
-                                 std::int32_t col, PlaneView<float> out,
+Result<void> InfiniteField::draw(std::uint64_t seed, std::uint32_t plane,
+                                 std::int32_t row, std::int32_t col, PlaneView<float> out,
                                  Executor& executor) const {
     fine_->draw({seed, noise_band(plane)}, period_, row, col, out, executor);
     if (!coarse_) return {};
 
-    // The windows that each level needs of the next coarser one, then back up through them.
+    // The windows that each level needs of the next coarser one, then back up through
+    // them.
     std::vector<Window> windows = {{{row, out.rows}, {col, out.cols}}};
     for (std::size_t level = 0; level < split_; ++level)
-        windows.push_back({expand_support(windows.back().rows),
-                           expand_support(windows.back().cols)});
+        windows.push_back(
+            {expand_support(windows.back().rows), expand_support(windows.back().cols)});
     const Period coarse_period{period_.rows >> split_, period_.cols >> split_};
     const Window& coarsest = windows.back();
     Image present(1, coarsest.rows.count, coarsest.cols.count);
     coarse_->draw({seed, coarse_noise_band(plane)}, coarse_period, coarsest.rows.first,
                   coarsest.cols.first, present.plane(0), executor);
     for (std::size_t level = split_; level-- > 0;) {
-        const LatticePoint from{windows[level + 1].rows.first, windows[level + 1].cols.first};
+        const LatticePoint from{windows[level + 1].rows.first,
+                                windows[level + 1].cols.first};
         const LatticePoint to{windows[level].rows.first, windows[level].cols.first};
         if (level == 0) {
             expand_add_window(present.plane(0), from, out, to, executor);

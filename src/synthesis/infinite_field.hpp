@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One plane of a material on the infinite lattice, in windows. Also tori too large for, or of a
-// size unknown to, one Fourier transform. Theory: docs/theory/infinite_plane.md.
+// One plane of a material on the infinite lattice, in windows. Also tori too large for,
+// or of a size unknown to, one Fourier transform. Theory: docs/theory/infinite_plane.md.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,19 @@
 
 namespace sateen {
 
-/// The finest levels have short kernels and are drawn at full resolution; the coarser ones
-/// together on a lattice of every 2^k-th site, and expanded. Both are stationary fields, so
-/// the sum has the density of the whole pyramid.
+/// The finest levels have short kernels and are drawn at full resolution; the coarser
+/// ones together on a lattice of every 2^k-th site, and expanded. Both are stationary
+/// fields, so the sum has the density of the whole pyramid.
 class InfiniteField {
   public:
     /// \param period  of a tileable texture, or none
-    [[nodiscard]] static Result<InfiniteField> create(const PlaneField& field, Period period,
-                                                      Executor& executor);
+    [[nodiscard]] static Result<InfiniteField> create(const PlaneField& field,
+                                                      Period period, Executor& executor);
     /// A window of variance 1 and mean 0 in expectation.
     /// \param plane  numbers the noise
-    [[nodiscard]] Result<void> draw(std::uint64_t seed, std::uint32_t plane, std::int32_t row,
-                                    std::int32_t col, PlaneView<float> out,
-                                    Executor& executor) const;
+    [[nodiscard]] Result<void> draw(std::uint64_t seed, std::uint32_t plane,
+                                    std::int32_t row, std::int32_t col,
+                                    PlaneView<float> out, Executor& executor) const;
     /// A good number of rows to draw at a time.
     [[nodiscard]] std::size_t strip_rows() const;
 

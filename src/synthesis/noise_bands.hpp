@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which noise field drives what. All subspaces of a material use the same ones, so that their
-// textures move together and keep their contrast when blended; planes, and levels where they
-// are drawn apart, use different ones.
+// Which noise field drives what. All subspaces of a material use the same ones, so that
+// their textures move together and keep their contrast when blended; planes, and levels
+// where they are drawn apart, use different ones.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,12 @@
 namespace sateen {
 
 /// Zero-phase drawing: one field a plane, and one more for the coarse part where split.
-inline std::uint32_t noise_band(std::uint32_t plane) { return plane; }
-inline std::uint32_t coarse_noise_band(std::uint32_t plane) { return 4 + plane; }
+inline std::uint32_t noise_band(std::uint32_t plane) {
+    return plane;
+}
+inline std::uint32_t coarse_noise_band(std::uint32_t plane) {
+    return 4 + plane;
+}
 /// Causal recursion: one field a plane and level.
 inline std::uint32_t recursion_noise_band(std::uint32_t plane, std::size_t level) {
     return 8 + 4 * static_cast<std::uint32_t>(level) + plane;

@@ -22,11 +22,14 @@ std::int32_t floor_div(std::int32_t a, std::int32_t b) {
 }
 
 /// The distance of index k from 0 on a circle of n.
-std::size_t circular_distance(std::size_t k, std::size_t n) { return std::min(k, n - k); }
+std::size_t circular_distance(std::size_t k, std::size_t n) {
+    return std::min(k, n - k);
+}
 
-/// The smallest multiple of kReachStep beyond which the energies sum to less than the share,
-/// at most a quarter of the block.
-std::size_t choose_reach(const std::vector<double>& energy_at_distance, std::size_t block) {
+/// The smallest multiple of kReachStep beyond which the energies sum to less than the
+/// share, at most a quarter of the block.
+std::size_t choose_reach(const std::vector<double>& energy_at_distance,
+                         std::size_t block) {
     double total = 0;
     for (const double energy : energy_at_distance) total += energy;
     double tail = 0;
@@ -53,7 +56,8 @@ float bump(std::size_t distance, std::size_t reach) {
 
 double energy(const Image& kernel) {
     double sum = 0;
-    for (const float h : kernel.values()) sum += static_cast<double>(h) * static_cast<double>(h);
+    for (const float h : kernel.values())
+        sum += static_cast<double>(h) * static_cast<double>(h);
     return sum;
 }
 
@@ -143,7 +147,8 @@ Result<OverlapSave> OverlapSave::create(PlaneView<const float> density, std::siz
     result.fft_.forward(kernel.plane(0), spectrum.view(), executor);
     result.filter_ = Image(1, density.rows, density.cols);
     for (std::size_t m = 0; m < density.rows; ++m)
-        std::copy_n(spectrum.view().re.row(m), density.cols, result.filter_.plane(0).row(m));
+        std::copy_n(spectrum.view().re.row(m), density.cols,
+                    result.filter_.plane(0).row(m));
     result.reach_rows_ = reach.rows;
     result.reach_cols_ = reach.cols;
     result.scale(kept > 0 ? static_cast<float>(std::sqrt(whole / kept)) : 0.0F);
@@ -154,8 +159,8 @@ void OverlapSave::scale(float factor) {
     for (float& value : filter_.values()) value *= factor;
 }
 
-void OverlapSave::draw(NoiseField noise, Period period, std::int32_t row, std::int32_t col,
-                       PlaneView<float> out, Executor& executor) const {
+void OverlapSave::draw(NoiseField noise, Period period, std::int32_t row,
+                       std::int32_t col, PlaneView<float> out, Executor& executor) const {
     const auto height = static_cast<std::int32_t>(block_rows());
     const auto width = static_cast<std::int32_t>(block_cols());
     const std::int32_t end_row = row + static_cast<std::int32_t>(out.rows);
@@ -198,10 +203,11 @@ void OverlapSave::draw(NoiseField noise, Period period, std::int32_t row, std::i
         const std::int32_t from_col = std::max(left, col);
         const std::int32_t to_col = std::min(left + width, end_col);
         for (std::int32_t r = from_row; r < to_row; ++r)
-            std::copy_n(field.plane(0).row(reach_rows_ + static_cast<std::size_t>(r - top)) +
-                            reach_cols_ + static_cast<std::size_t>(from_col - left),
-                        static_cast<std::size_t>(to_col - from_col),
-                        out.row(static_cast<std::size_t>(r - row)) + (from_col - col));
+            std::copy_n(
+                field.plane(0).row(reach_rows_ + static_cast<std::size_t>(r - top)) +
+                    reach_cols_ + static_cast<std::size_t>(from_col - left),
+                static_cast<std::size_t>(to_col - from_col),
+                out.row(static_cast<std::size_t>(r - row)) + (from_col - col));
     });
 }
 

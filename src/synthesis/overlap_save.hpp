@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stationary field on the infinite lattice, drawn in windows: white noise of the lattice
-// convolved with a zero-phase kernel of finite support, by overlap-save.
-// Theory: docs/theory/infinite_plane.md.
+// A stationary field on the infinite lattice, drawn in windows: white noise of the
+// lattice convolved with a zero-phase kernel of finite support, by overlap-save. Theory:
+// docs/theory/infinite_plane.md.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +32,8 @@ class OverlapSave {
                                                     std::size_t cols, bool pin_mean,
                                                     Executor& executor);
 
-    /// Fills a window whose top left site is (row, col). The lattice is cut into blocks fixed
-    /// to its origin and each block is drawn whole, so windows agree bit for bit.
+    /// Fills a window whose top left site is (row, col). The lattice is cut into blocks
+    /// fixed to its origin and each block is drawn whole, so windows agree bit for bit.
     void draw(NoiseField noise, Period period, std::int32_t row, std::int32_t col,
               PlaneView<float> out, Executor& executor) const;
 

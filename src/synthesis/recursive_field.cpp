@@ -45,7 +45,8 @@ Result<RecursiveField::Margin> RecursiveField::impulse_margin(const LevelRecursi
                      "level " + std::to_string(number) +
                          ": the causal recursion is still at more than " +
                          std::to_string(kForgotten) + " of an impulse after " +
-                         std::to_string(kLongestMargin) + " sites; draw it tileable instead"};
+                         std::to_string(kLongestMargin) +
+                         " sites; draw it tileable instead"};
     return margin;
 }
 
@@ -54,8 +55,9 @@ Result<RecursiveField> RecursiveField::create(const PlaneField& field) {
     for (std::size_t number = 0; number < field.levels.size(); ++number) {
         const auto* car = std::get_if<Car2d>(&field.field(number));
         if (car == nullptr)
-            return Error{Errc::unsupported, "level " + std::to_string(number) +
-                                                ": only 2D CAR fields have a causal recursion"};
+            return Error{Errc::unsupported,
+                         "level " + std::to_string(number) +
+                             ": only 2D CAR fields have a causal recursion"};
         LevelRecursion level;
         for (std::size_t i = 0; i < car->a.size(); ++i)
             level.taps.push_back(
@@ -67,7 +69,9 @@ Result<RecursiveField> RecursiveField::create(const PlaneField& field) {
     return result;
 }
 
-std::size_t RecursiveField::strip_rows() const { return kBlockSide; }
+std::size_t RecursiveField::strip_rows() const {
+    return kBlockSide;
+}
 
 Result<Image> RecursiveField::draw_block(std::uint64_t seed, std::uint32_t plane,
                                          std::int32_t row, std::int32_t col) const {
@@ -101,21 +105,22 @@ Result<Image> RecursiveField::draw_block(std::uint64_t seed, std::uint32_t plane
             std::copy_n(padded.plane(0).row(level.margin.down + r) + left, field.cols(),
                         field.plane(0).row(r));
         if (k + 1 < levels_.size())
-            expand_add_window(coarser.plane(0),
-                              {windows[k + 1].rows.first, windows[k + 1].cols.first},
-                              field.plane(0), {window.rows.first, window.cols.first}, serial);
+            expand_add_window(
+                coarser.plane(0), {windows[k + 1].rows.first, windows[k + 1].cols.first},
+                field.plane(0), {window.rows.first, window.cols.first}, serial);
         coarser = std::move(field);
     }
     return coarser;
 }
 
-Result<void> RecursiveField::draw(std::uint64_t seed, std::uint32_t plane, std::int32_t row,
-                                  std::int32_t col, PlaneView<float> out,
-                                  Executor& executor) const {
+Result<void> RecursiveField::draw(std::uint64_t seed, std::uint32_t plane,
+                                  std::int32_t row, std::int32_t col,
+                                  PlaneView<float> out, Executor& executor) const {
     const std::int32_t end_row = row + static_cast<std::int32_t>(out.rows);
     const std::int32_t end_col = col + static_cast<std::int32_t>(out.cols);
     const auto down = static_cast<std::size_t>(block_of(end_row - 1) - block_of(row) + 1);
-    const auto across = static_cast<std::size_t>(block_of(end_col - 1) - block_of(col) + 1);
+    const auto across =
+        static_cast<std::size_t>(block_of(end_col - 1) - block_of(col) + 1);
     std::vector<Result<void>> results(down * across);
     parallel_for(executor, down * across, [&](std::size_t number) {
         const std::int32_t top =
@@ -133,10 +138,10 @@ Result<void> RecursiveField::draw(std::uint64_t seed, std::uint32_t plane, std::
         const std::int32_t from_col = std::max(left, col);
         const std::int32_t to_col = std::min(left + kBlockSide, end_col);
         for (std::int32_t r = from_row; r < to_row; ++r)
-            std::copy_n(block.plane(0).row(static_cast<std::size_t>(r - top)) +
-                            (from_col - left),
-                        static_cast<std::size_t>(to_col - from_col),
-                        out.row(static_cast<std::size_t>(r - row)) + (from_col - col));
+            std::copy_n(
+                block.plane(0).row(static_cast<std::size_t>(r - top)) + (from_col - left),
+                static_cast<std::size_t>(to_col - from_col),
+                out.row(static_cast<std::size_t>(r - row)) + (from_col - col));
     });
     for (Result<void>& result : results) SATEEN_CHECK(std::move(result));
     return {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One plane of 2D causal autoregressive fields, drawn by their recursion, level by level, as
-// [CAR2] does. Theory: docs/theory/causal_recursion.md.
+// One plane of 2D causal autoregressive fields, drawn by their recursion, level by level,
+// as [CAR2] does. Theory: docs/theory/causal_recursion.md.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,18 @@
 namespace sateen {
 
 /// The infinite lattice is cut into blocks fixed to its origin. Every block starts the
-/// recursion from zero in a margin wide enough for the start to be forgotten, so any block can
-/// be drawn alone and always comes out the same; neighbours agree to 1e-3 of the deviation.
+/// recursion from zero in a margin wide enough for the start to be forgotten, so any
+/// block can be drawn alone and always comes out the same; neighbours agree to 1e-3 of
+/// the deviation.
 class RecursiveField {
   public:
     /// \error not_stationary  a level's response to one impulse does not die out within
     ///                        kLongestMargin sites
     /// \error unsupported     a level's field is not a 2D CAR
     [[nodiscard]] static Result<RecursiveField> create(const PlaneField& field);
-    [[nodiscard]] Result<void> draw(std::uint64_t seed, std::uint32_t plane, std::int32_t row,
-                                    std::int32_t col, PlaneView<float> out,
-                                    Executor& executor) const;
+    [[nodiscard]] Result<void> draw(std::uint64_t seed, std::uint32_t plane,
+                                    std::int32_t row, std::int32_t col,
+                                    PlaneView<float> out, Executor& executor) const;
     [[nodiscard]] std::size_t strip_rows() const;
 
     static constexpr std::size_t kLongestMargin = 192;

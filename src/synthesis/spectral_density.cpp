@@ -23,7 +23,8 @@
 #define SATEEN_SYNTHESIS_SPECTRAL_DENSITY_ONCE
 namespace sateen {
 
-/// Λ(ω) = 1 - Σ a_s e^{-jω·s} along one row of frequencies: a trigonometric polynomial in ω2,
+/// Λ(ω) = 1 - Σ a_s e^{-jω·s} along one row of frequencies: a trigonometric polynomial in
+/// ω2,
 ///
 ///     Re Λ = even_re_0 + Σ_q (even_re_q cos qω2 + odd_im_q sin qω2)
 ///     Im Λ = even_im_0 + Σ_q (even_im_q cos qω2 - odd_re_q sin qω2)
@@ -51,8 +52,8 @@ namespace sateen::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 //     S(ω) = σ² / |Λ(ω)|²
-void density_row(const RowPolynomial& polynomial, float variance, const ColumnTables& tables,
-                 std::size_t count, float* out) {
+void density_row(const RowPolynomial& polynomial, float variance,
+                 const ColumnTables& tables, std::size_t count, float* out) {
     const hn::ScalableTag<float> d;
     const std::size_t lanes = hn::Lanes(d);
     for (std::size_t n = 0; n < count; n += lanes) {
@@ -67,8 +68,8 @@ void density_row(const RowPolynomial& polynomial, float variance, const ColumnTa
             im = hn::NegMulAdd(hn::Set(d, polynomial.odd_re[q]), s, im);
         }
         const auto squared = hn::MulAdd(re, re, hn::Mul(im, im));
-        // A pole of the density on the torus would make the field infinite: bounded at the
-        // relative rounding error of |Λ|.
+        // A pole of the density on the torus would make the field infinite: bounded at
+        // the relative rounding error of |Λ|.
         const auto bounded = hn::Max(squared, hn::Set(d, 1e-10F));
         const auto S = hn::Div(hn::Set(d, variance), bounded);
         if (n + lanes <= count) {
@@ -152,8 +153,8 @@ std::vector<float> expansion_gain(std::size_t count, std::size_t size) {
     return gain;
 }
 
-/// Where on its own grid a coarser level has the frequency 2ω: an even size halves, an odd one
-/// stays and is stepped through twice as fast.
+/// Where on its own grid a coarser level has the frequency 2ω: an even size halves, an
+/// odd one stays and is stepped through twice as fast.
 struct CoarseAxis {
     std::size_t size;
     std::size_t step;
@@ -162,8 +163,8 @@ struct CoarseAxis {
     [[nodiscard]] std::size_t index(std::size_t k) const { return k * step % size; }
 };
 
-void add_expanded(PlaneView<const float> coarse, std::size_t cols, PlaneView<float> density,
-                  Executor& executor) {
+void add_expanded(PlaneView<const float> coarse, std::size_t cols,
+                  PlaneView<float> density, Executor& executor) {
     const CoarseAxis row_axis(density.rows);
     const CoarseAxis col_axis(cols);
     const std::vector<float> row_gain = expansion_gain(density.rows, density.rows);
@@ -175,7 +176,8 @@ void add_expanded(PlaneView<const float> coarse, std::size_t cols, PlaneView<flo
         float* out = density.row(m);
         for (std::size_t n = 0; n < density.cols; ++n) {
             const std::size_t col = col_axis.index(n);
-            const float E = col < coarse.cols ? direct[col] : mirrored[col_axis.size - col];
+            const float E =
+                col < coarse.cols ? direct[col] : mirrored[col_axis.size - col];
             out[n] += row_gain[m] * col_gain[n] * E;
         }
     });
@@ -195,12 +197,30 @@ Image spectral_density(const PlaneField& field, std::size_t rows, std::size_t co
     return density;
 }
 
+void suppress_unmeasured(const PlaneField& field, PlaneView<float> density,
+                         std::size_t cols) {
+    const auto closeness = [](std::size_t k, std::size_t size, double sample) {
+        const auto cycles = static_cast<double>(std::min(k, size - k));
+        return std::max(0.0, 1 - cycles * sample / static_cast<double>(size));
+    };
+    for (std::size_t m = 0; m < density.rows; ++m) {
+        const double row = closeness(m, density.rows, field.sample_rows);
+        if (row == 0) continue;
+        for (std::size_t n = 0; n < density.cols; ++n) {
+            const double col = closeness(n, cols, field.sample_cols);
+            if (col == 0) break;
+            density(m, n) *= static_cast<float>(1 - row * col);
+        }
+    }
+}
+
 double mean_density(PlaneView<const float> density, std::size_t cols) {
     double sum = 0;
     for (std::size_t m = 0; m < density.rows; ++m) {
         const float* row = density.row(m);
         double both = 0;
-        for (std::size_t n = 0; n < density.cols; ++n) both += static_cast<double>(row[n]);
+        for (std::size_t n = 0; n < density.cols; ++n)
+            both += static_cast<double>(row[n]);
         sum += 2 * both - static_cast<double>(row[0]);
         if (cols % 2 == 0) sum -= static_cast<double>(row[density.cols - 1]);
     }

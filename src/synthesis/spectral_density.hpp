@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spectral densities of fields and of whole pyramids of them: a field is its spectral density.
-// Theory: docs/theory/spectral_synthesis.md. Partner: analysis/autocovariance.
+// Spectral densities of fields and of whole pyramids of them: a field is its spectral
+// density. Theory: docs/theory/spectral_synthesis.md. Partner: analysis/autocovariance.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -17,19 +18,25 @@ namespace sateen {
 struct PlaneField {
     std::span<const Level> levels;
     std::size_t plane = 0;
+    /// Size of the measured sample on the lattice of the finest level here.
+    double sample_rows = 0;
+    double sample_cols = 0;
+
     [[nodiscard]] const FieldModel& field(std::size_t level) const {
         return levels[level].fields[plane];
     }
     /// The part of the pyramid from `level` on, as a pyramid of its own.
     [[nodiscard]] PlaneField coarser(std::size_t level) const {
-        return {levels.subspan(level), plane};
+        const double factor = std::ldexp(1.0, static_cast<int>(level));
+        return {levels.subspan(level), plane, sample_rows / factor, sample_cols / factor};
     }
     [[nodiscard]] PlaneField finer(std::size_t level) const {
-        return {levels.first(level), plane};
+        return {levels.first(level), plane, sample_rows, sample_cols};
     }
 };
 
-/// The spectral density of the collapsed pyramid on the frequencies of a (rows, cols) torus,
+/// The spectral density of the collapsed pyramid on the frequencies of a (rows, cols)
+/// torus,
 ///
 ///     E_k(ω) = S_k(ω) + 4 W²(ω) E_{k+1}(2ω),    W the transfer function of the kernel,
 ///
@@ -38,6 +45,16 @@ struct PlaneField {
 /// \cost  about 10 multiply-adds a frequency and level
 [[nodiscard]] Image spectral_density(const PlaneField& field, std::size_t rows,
                                      std::size_t cols, Executor& executor);
+
+/// Takes away what the sample could not show: wavelengths longer than itself. The
+/// sample's own frequencies are multiples of 2π/M and 2π/N, its mean was removed, so the
+/// density is 0 at the origin and interpolated from there to the nearest frequencies,
+///
+///     E(ω) ← E(ω) (1 - Δ(ω1 M/2π) Δ(ω2 N/2π)),    Δ(x) = max(0, 1 - |x|).
+///
+/// A model extrapolates there: near a unit root, into clouds larger than the sample.
+void suppress_unmeasured(const PlaneField& field, PlaneView<float> density,
+                         std::size_t cols);
 
 /// The mean of a density over the whole torus: the variance of the field.
 [[nodiscard]] double mean_density(PlaneView<const float> density, std::size_t cols);

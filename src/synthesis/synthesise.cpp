@@ -25,10 +25,11 @@ constexpr std::size_t kWholeTextureSites = std::size_t{1} << 22U;
 Result<void> check_size(const SynthesisOptions& options) {
     for (const std::size_t side : {options.rows, options.cols})
         if (side == 0 || side > kMaxTextureSide)
-            return Error{Errc::invalid_argument,
-                         "a texture of " + std::to_string(options.cols) + "x" +
-                             std::to_string(options.rows) + " pixels: each side must be 1 to " +
-                             std::to_string(kMaxTextureSide)};
+            return Error{Errc::invalid_argument, "a texture of " +
+                                                     std::to_string(options.cols) + "x" +
+                                                     std::to_string(options.rows) +
+                                                     " pixels: each side must be 1 to " +
+                                                     std::to_string(kMaxTextureSide)};
     return {};
 }
 
@@ -63,11 +64,18 @@ void standardise(PlaneView<float> plane) {
         plane.data[i] = (plane.data[i] - shift) * scale;
 }
 
+PlaneField plane_field(const Material& material, const Subspace& subspace,
+                       std::size_t plane) {
+    return {subspace.levels, plane, static_cast<double>(material.sample_rows),
+            static_cast<double>(material.sample_cols)};
+}
+
 /// The Fourier transforms of the white noise of every plane of one torus.
 class ToroidalNoise {
   public:
     static Result<ToroidalNoise> create(const Material& material,
-                                        const SynthesisOptions& options, Executor& executor) {
+                                        const SynthesisOptions& options,
+                                        Executor& executor) {
         SATEEN_TRY(Fft2d fft, Fft2d::create(options.rows, options.cols));
         ToroidalNoise noise(std::move(fft));
         Image white(1, options.rows, options.cols);
@@ -81,12 +89,13 @@ class ToroidalNoise {
     }
 
     /// All planes of one subspace, standard normal.
-    [[nodiscard]] Image draw(const Subspace& subspace, Executor& executor) const {
+    [[nodiscard]] Image draw(const Material& material, const Subspace& subspace,
+                             Executor& executor) const {
         Image planes(spectra_.size(), fft_.rows(), fft_.cols());
         SplitComplexPlane spectrum(fft_.rows(), fft_.spectrum_cols());
         for (std::size_t plane = 0; plane < spectra_.size(); ++plane) {
-            colour_noise({subspace.levels, plane}, fft_.cols(), spectra_[plane].view(),
-                         spectrum.view(), executor);
+            colour_noise(plane_field(material, subspace, plane), fft_.cols(),
+                         spectra_[plane].view(), spectrum.view(), executor);
             fft_.inverse(spectrum.view(), planes.plane(plane), executor);
         }
         return planes;
@@ -101,12 +110,14 @@ class ToroidalNoise {
 /// Every plane of one subspace on the infinite lattice, by convolution.
 class InfinitePlanes {
   public:
-    static Result<InfinitePlanes> create(const Subspace& subspace, Period period,
+    static Result<InfinitePlanes> create(const Material& material,
+                                         const Subspace& subspace, Period period,
                                          Executor& executor) {
         InfinitePlanes planes;
         for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
             SATEEN_TRY(InfiniteField field,
-                       InfiniteField::create({subspace.levels, plane}, period, executor));
+                       InfiniteField::create(plane_field(material, subspace, plane),
+                                             period, executor));
             planes.fields_.push_back(std::move(field));
         }
         return planes;
@@ -130,7 +141,8 @@ class RecursivePlanes {
     static Result<RecursivePlanes> create(const Subspace& subspace) {
         RecursivePlanes planes;
         for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
-            SATEEN_TRY(RecursiveField field, RecursiveField::create({subspace.levels, plane}));
+            SATEEN_TRY(RecursiveField field,
+                       RecursiveField::create({subspace.levels, plane, 0, 0}));
             planes.fields_.push_back(std::move(field));
         }
         return planes;
@@ -148,7 +160,8 @@ class RecursivePlanes {
     std::vector<RecursiveField> fields_;
 };
 
-/// Draws a window from top to bottom in strips that end on the block borders of the planes.
+/// Draws a window from top to bottom in strips that end on the block borders of the
+/// planes.
 template <class Planes>
 Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
                             const SynthesisOptions& options, const StripSink& sink,
@@ -157,8 +170,10 @@ Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
     const auto step = static_cast<std::int64_t>(planes.strip_rows());
     std::size_t row = 0;
     while (row < options.rows) {
-        if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while drawing"};
-        const std::int64_t at = std::int64_t{options.offset_row} + static_cast<std::int64_t>(row);
+        if (progress.cancelled())
+            return Error{Errc::cancelled, "cancelled while drawing"};
+        const std::int64_t at =
+            std::int64_t{options.offset_row} + static_cast<std::int64_t>(row);
         const std::int64_t past_border = ((at % step) + step) % step;
         const std::size_t count =
             std::min(static_cast<std::size_t>(step - past_border), options.rows - row);
@@ -174,14 +189,15 @@ Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
 }
 
 /// A torus that one transform cannot draw: the infinite lattice with periodic noise.
-Result<void> draw_periodic(const Subspace& subspace, SynthesisOptions options,
-                           const StripSink& sink, Executor& executor, Progress& progress) {
+Result<void> draw_periodic(const Material& material, const Subspace& subspace,
+                           SynthesisOptions options, const StripSink& sink,
+                           Executor& executor, Progress& progress) {
     options.offset_row = 0;
     options.offset_col = 0;
     const Period period{static_cast<std::int32_t>(options.rows),
                         static_cast<std::int32_t>(options.cols)};
     SATEEN_TRY(const InfinitePlanes planes,
-               InfinitePlanes::create(subspace, period, executor));
+               InfinitePlanes::create(material, subspace, period, executor));
     if (options.rows * options.cols > kWholeTextureSites)
         return draw_in_strips(planes, subspace, options, sink, executor, progress);
 
@@ -204,10 +220,10 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
     const Subspace& subspace = material.subspaces[subspace_number];
     if (options.tileable) {
         if (!fits_one_transform(options))
-            return draw_periodic(subspace, options, sink, executor, progress);
+            return draw_periodic(material, subspace, options, sink, executor, progress);
         SATEEN_TRY(const ToroidalNoise noise,
                    ToroidalNoise::create(material, options, executor));
-        Image texture = noise.draw(subspace, executor);
+        Image texture = noise.draw(material, subspace, executor);
         invert_spectral(subspace, texture.view(), executor);
         progress.report(1, 1);
         return sink(0, texture.view());
@@ -217,7 +233,7 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
         return draw_in_strips(planes, subspace, options, sink, executor, progress);
     }
     SATEEN_TRY(const InfinitePlanes planes,
-               InfinitePlanes::create(subspace, Period{}, executor));
+               InfinitePlanes::create(material, subspace, Period{}, executor));
     return draw_in_strips(planes, subspace, options, sink, executor, progress);
 }
 
@@ -253,11 +269,12 @@ Result<void> synthesise_tiles(
     SynthesisOptions tileable = options;
     tileable.tileable = true;
     for (std::size_t i = 0; i < subspaces.size(); ++i) {
-        if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while drawing"};
+        if (progress.cancelled())
+            return Error{Errc::cancelled, "cancelled while drawing"};
         Image texture;
         if (noise) {
             const Subspace& subspace = material.subspaces[subspaces[i]];
-            texture = noise->draw(subspace, executor);
+            texture = noise->draw(material, subspace, executor);
             invert_spectral(subspace, texture.view(), executor);
         } else {
             Progress silent;
@@ -265,7 +282,8 @@ Result<void> synthesise_tiles(
                        synthesise(material, subspaces[i], tileable, executor, silent));
         }
         SATEEN_CHECK(take(subspaces[i], std::move(texture)));
-        progress.report(static_cast<double>(i + 1), static_cast<double>(subspaces.size()));
+        progress.report(static_cast<double>(i + 1),
+                        static_cast<double>(subspaces.size()));
     }
     return {};
 }

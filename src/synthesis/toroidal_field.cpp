@@ -11,7 +11,8 @@
 namespace sateen {
 namespace {
 
-/// Σ over the whole torus of E |ŵ|² along one row of the half spectrum, as colour_row leaves it.
+/// Σ over the whole torus of E |ŵ|² along one row of the half spectrum, as colour_row
+/// leaves it.
 double colour_row(const float* E, const float* noise_re, const float* noise_im,
                   std::size_t count, bool even, float* re, float* im) {
     for (std::size_t n = 0; n < count; ++n) {
@@ -39,18 +40,20 @@ void draw_noise(std::uint64_t seed, std::uint32_t band, PlaneView<float> out,
     });
 }
 
-//     R(0) = (1/(MN)²) Σ_t |ŷ_t|²     by Parseval: the scale that makes it 1 costs no pass
+//     R(0) = (1/(MN)²) Σ_t |ŷ_t|²     by Parseval: the scale that makes it 1 costs no
+//     pass
 void colour_noise(const PlaneField& field, std::size_t cols,
                   SplitComplexView<const float> noise, SplitComplexView<float> spectrum,
                   Executor& executor) {
     const std::size_t rows = noise.re.rows;
     Image density = spectral_density(field, rows, cols, executor);
+    suppress_unmeasured(field, density.plane(0), cols);
     density(0, 0, 0) = 0;
     std::vector<double> row_power(rows);
     parallel_for(executor, rows, [&](std::size_t m) {
-        row_power[m] = colour_row(density.plane(0).row(m), noise.re.row(m), noise.im.row(m),
-                                  density.cols(), cols % 2 == 0, spectrum.re.row(m),
-                                  spectrum.im.row(m));
+        row_power[m] = colour_row(density.plane(0).row(m), noise.re.row(m),
+                                  noise.im.row(m), density.cols(), cols % 2 == 0,
+                                  spectrum.re.row(m), spectrum.im.row(m));
     });
     double power = 0;
     for (const double row : row_power) power += row;

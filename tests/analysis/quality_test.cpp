@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sateen/analysis/quality.hpp"
 
+#include "sateen/analysis/texture_profile.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -270,6 +272,37 @@ TEST(SeamRatio, OfARampIsItsLengthAndOfATorusOne) {
     EXPECT_DOUBLE_EQ(seam_ratio(ramp.view()).cols, 1);
     EXPECT_DOUBLE_EQ(seam_ratio(torus.view()).rows, 1);
     EXPECT_DOUBLE_EQ(seam_ratio(torus.view()).cols, 1);
+}
+
+// White noise: flat power at its variance, no autocovariance, a Gaussian histogram.
+TEST(TextureProfile, OfWhiteNoiseIsFlat) {
+    auto profile = texture_profile(grey_noise(400, 301, 50, 4, 1));
+    ASSERT_TRUE(profile.has_value());
+    double mean = 0;
+    for (double p : profile->power) mean += p / static_cast<double>(profile->power.size());
+    EXPECT_NEAR(profile->power.back(), 16, 0.5);
+    EXPECT_NEAR(mean, 16, 2);
+    EXPECT_EQ(profile->along_cols.front(), 1);
+    for (std::size_t lag = 1; lag < profile->along_cols.size(); ++lag) {
+        EXPECT_NEAR(profile->along_cols[lag], 0, 0.03);
+    }
+    double lightness = 0;
+    for (std::size_t k = 0; k < TextureProfile::kBins; ++k) {
+        lightness += profile->histogram[0][k] * (static_cast<double>(k) + 0.5) * 100 /
+                     double{TextureProfile::kBins};
+    }
+    EXPECT_NEAR(lightness, 50, 0.1);
+    EXPECT_EQ(profile->spectrum.rows(), 256U);
+}
+
+TEST(TextureProfile, FindsThePeriodOfAWeave) {
+    auto profile = texture_profile(weave(256, 256, 16, 1));
+    ASSERT_TRUE(profile.has_value());
+    EXPECT_GT(profile->along_cols[16], 0.8 * profile->along_cols[0]);
+    EXPECT_LT(profile->along_cols[8], 0.2);
+    const auto peak = std::max_element(profile->power.begin(), profile->power.end());
+    EXPECT_NEAR(profile->frequency[static_cast<std::size_t>(peak - profile->power.begin())],
+                1.0 / 16, 0.005);
 }
 
 }  // namespace

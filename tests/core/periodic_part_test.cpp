@@ -131,6 +131,34 @@ TEST(PeriodicPart, ClosesTheSeams) {
     EXPECT_LT(rms_step(cols - 1, 0), 1.5 * rms_step(cols / 2, cols / 2 + 1));
 }
 
+TEST(PeriodicPart, WithBandsRemovesARampAsWhole) {
+    SerialExecutor executor;
+    Image ramp(1, 64, 80);
+    for (std::size_t r = 0; r < 64; ++r)
+        for (std::size_t c = 0; c < 80; ++c)
+            ramp(0, r, c) = 0.01F * static_cast<float>(c) - 0.02F * static_cast<float>(r);
+    Image out(1, 64, 80);
+    ASSERT_TRUE(periodic_part(ramp.plane(0), out.plane(0), executor, 0.125).has_value());
+    const Image whole = periodic(ramp, executor);
+    for (std::size_t i = 0; i < out.values().size(); ++i)
+        ASSERT_NEAR(out.values()[i], whole.values()[i], 1e-5);
+}
+
+// Ribs that fill the torus exactly: their neighbours across the border differ as much as
+// anywhere, which is no reason to add a ramp.
+TEST(PeriodicPart, WithBandsLeavesRibsAlone) {
+    SerialExecutor executor;
+    Image ribs(1, 128, 128);
+    for (std::size_t r = 0; r < 128; ++r)
+        for (std::size_t c = 0; c < 128; ++c)
+            ribs(0, r, c) = static_cast<float>(
+                std::sin(2 * std::numbers::pi * 16 * static_cast<double>(c) / 128 + 0.7));
+    Image out(1, 128, 128);
+    ASSERT_TRUE(periodic_part(ribs.plane(0), out.plane(0), executor, 0.125).has_value());
+    for (std::size_t i = 0; i < out.values().size(); ++i)
+        ASSERT_NEAR(out.values()[i], ribs.values()[i], 1e-4);
+}
+
 TEST(PeriodicPart, WorksInPlaceAndWithAnyExecutor) {
     SerialExecutor serial;
     test::ThreadedExecutor threaded(3);

@@ -84,7 +84,6 @@ void expect_small_set(const Measurement& measurement) {
     EXPECT_FLOAT_EQ(info.views[1].phi, 60 * kRadiansPerDegree);
     EXPECT_FLOAT_EQ(info.views[2].phi, 300 * kRadiansPerDegree);
     ASSERT_EQ(info.observations.size(), 5U);
-    OpenOptions linear;
     for (std::size_t i = 0; i < 5; ++i) {
         const Observation& observation = info.observations[i];
         EXPECT_EQ(observation.light, i / 3);

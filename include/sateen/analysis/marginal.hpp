@@ -25,7 +25,8 @@ class MarginalDistribution {
 
     /// The least-squares curve through the quantiles,
     ///
-    ///     min_c ∫ φ(g) (F⁻¹(Φ(g)) - Σ_j c_j h_j(g))² dg,    h_j hat functions on the knots,
+    ///     min_c ∫ φ(g) (F⁻¹(Φ(g)) - Σ_j c_j h_j(g))² dg,    h_j hat functions on the
+    ///     knots,
     ///
     /// made monotone. Hats sum to 1, so the mean is that of the plane.
     [[nodiscard]] Marginal fit_curve() const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choice of the contextual neighbourhood of a causal field. Theory: docs/theory/neighbourhood.md.
+// Choice of the contextual neighbourhood of a causal field. Theory:
+// docs/theory/neighbourhood.md.
 #pragma once
 
 #include <vector>
@@ -19,9 +20,8 @@ namespace sateen {
                                                         std::size_t count, int reach);
 
 /// The hierarchical half plane of the order 1 … max_order whose evidence is largest.
-[[nodiscard]] Result<std::vector<Offset>> select_by_evidence(const Autocovariance& R,
-                                                             int max_order,
-                                                             const Car2dPrior& prior = {});
+[[nodiscard]] Result<std::vector<Offset>> select_by_evidence(
+    const Autocovariance& R, int max_order, const Car2dPrior& prior = {});
 
 /// Applies a rule; never more than one coefficient for every 8 sites.
 [[nodiscard]] Result<std::vector<Offset>> select_neighbourhood(

@@ -22,7 +22,7 @@ enum class NeighbourhoodRule {
 
 /// On the command line: "order:6", "correlation:14", "evidence:10", "nearest:3".
 struct NeighbourhoodOptions {
-    NeighbourhoodRule rule = NeighbourhoodRule::order;
+    NeighbourhoodRule rule = NeighbourhoodRule::evidence;
     /// The order, the number of offsets, the largest order tried, the number of sites.
     int value = 6;
 };

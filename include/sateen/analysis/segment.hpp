@@ -15,7 +15,8 @@
 namespace sateen {
 
 struct SegmentationOptions {
-    /// K, 1 … kMaxSubspaces; 0: the smallest that explains `share`, at most kMaxSubspaces.
+    /// K, 1 … kMaxSubspaces; 0: the smallest that explains `share`, at most
+    /// kMaxSubspaces.
     std::size_t subspaces = 0;
     /// Of the variance of the features, that automatic K explains; in (0, 1].
     double share = 0.95;
@@ -37,9 +38,10 @@ inline constexpr std::uint8_t kUnreadable = 255;
 
 /// A partition of the observations of a measurement into K subspaces, dark to light.
 struct Segmentation {
-    std::vector<std::uint8_t> labels;          ///< subspace per observation, or kUnreadable
-    std::vector<std::size_t> representatives;  ///< observation per subspace, a member of it
-    std::vector<std::uint32_t> members;        ///< observations per subspace, at least 1
+    std::vector<std::uint8_t> labels;  ///< subspace per observation, or kUnreadable
+    std::vector<std::size_t>
+        representatives;                 ///< observation per subspace, a member of it
+    std::vector<std::uint32_t> members;  ///< observations per subspace, at least 1
     double explained = 0;  ///< share of the variance of the features; 0 for one subspace
     PassReport pass;       ///< of the reading of the images
 };

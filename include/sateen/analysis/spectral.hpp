@@ -13,14 +13,17 @@ namespace sateen {
 
 /// The transform that decorrelates the channels of images of one material, pooled:
 ///
-///     Φ = E ỸỸᵀ of the centred values,   rows of T the unit eigenvectors of Φ   [GMRF, eq. 3]
+///     Φ = E ỸỸᵀ of the centred values,   rows of T the unit eigenvectors of Φ   [GMRF,
+///     eq. 3]
 ///
 /// largest eigenvalue first, the largest component of every row positive.
 /// \param images  (d, rows, cols) each, in the tone already
-[[nodiscard]] SpectralTransform fit_spectral_transform(std::span<const Image> images, Tone tone);
+[[nodiscard]] SpectralTransform fit_spectral_transform(std::span<const Image> images,
+                                                       Tone tone);
 
-/// Reorders and flips the rows of T so that each is as parallel as can be to the same row of
-/// `reference`. All subspaces are driven by the same noise: it must move them the same way.
+/// Reorders and flips the rows of T so that each is as parallel as can be to the same row
+/// of `reference`. All subspaces are driven by the same noise: it must move them the same
+/// way.
 void align(SpectralTransform& transform, const SpectralTransform& reference);
 
 /// Applies the tone to linear values.
