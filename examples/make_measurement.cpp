@@ -59,17 +59,20 @@ sateen::Image smooth_noise(std::uint32_t band, int blur) {
 
 /// The sheet: unit normals of a bumpy height field, and rust from 0 to 1.
 struct Sheet {
-    sateen::Image height = smooth_noise(0, 12);
-    sateen::Image stain = smooth_noise(1, 6);
-    sateen::Image grain = smooth_noise(2, 1);
+    sateen::Image dents = smooth_noise(0, 5);
+    sateen::Image pores = smooth_noise(1, 1);
+    sateen::Image stain = smooth_noise(2, 6);
+    sateen::Image grain = smooth_noise(3, 0);
+
+    [[nodiscard]] float height(std::size_t r, std::size_t c) const {
+        return dents(0, r, c) + 0.25F * pores(0, r, c);
+    }
 
     [[nodiscard]] Vector normal(std::size_t r, std::size_t c) const {
-        constexpr float kRelief_px = 3.0F;
-        const float p =
-            height(0, r, (c + 1) % kSide) - height(0, r, (c + kSide - 1) % kSide);
+        constexpr float kRelief_px = 0.6F;
+        const float p = height(r, (c + 1) % kSide) - height(r, (c + kSide - 1) % kSide);
         // Rows go down while y goes up.
-        const float q =
-            height(0, (r + kSide - 1) % kSide, c) - height(0, (r + 1) % kSide, c);
+        const float q = height((r + kSide - 1) % kSide, c) - height((r + 1) % kSide, c);
         return normalised({-kRelief_px * p / 2, -kRelief_px * q / 2, 1});
     }
 };
@@ -83,7 +86,7 @@ Vector shade(const Sheet& sheet, std::size_t r, std::size_t c, const Vector& lig
         normalised({light[0] + view[0], light[1] + view[1], light[2] + view[2]});
     const float gloss = std::pow(std::max(0.0F, dot(n, half)), 12.0F);
     const float rust =
-        1 / (1 + std::exp(-2 * (sheet.stain(0, r, c) + 0.5F * sheet.grain(0, r, c))));
+        1 / (1 + std::exp(-2 * (sheet.stain(0, r, c) + sheet.grain(0, r, c))));
     const Vector brown = {0.30F, 0.13F, 0.06F};
     const Vector metal = {0.42F, 0.40F, 0.37F};
     Vector colour{};
@@ -127,7 +130,7 @@ int main(int argc, char** argv) {
                 for (std::size_t c = 0; c < kSide; ++c) {
                     const Vector colour = shade(sheet, r, c, to(light), to(view));
                     for (std::size_t band = 0; band < 3; ++band)
-                        image(band, r, c) = 2 * colour[band];
+                        image(band, r, c) = 1.4F * colour[band];
                 }
             std::array<char, 96> name{};
             std::snprintf(name.data(), name.size(), "tl%03d pl%03d tv%03d pv%03d.jpg",

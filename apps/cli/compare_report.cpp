@@ -205,9 +205,9 @@ std::string histogram_plot(const TextureProfile& a, const TextureProfile& b,
                            std::size_t axis) {
     constexpr std::array<std::string_view, 3> kTitles = {
         "Lightness L", "Lab a (green to red)", "Lab b (blue to yellow)"};
-    const double least = axis == 0 ? 0 : -double{TextureProfile::kAxisRange};
-    const double most = axis == 0 ? 100 : double{TextureProfile::kAxisRange};
-    const double step = (most - least) / double{TextureProfile::kBins};
+    const double least = axis == 0 ? 0 : -static_cast<double>(TextureProfile::kAxisRange);
+    const double most = axis == 0 ? 100 : static_cast<double>(TextureProfile::kAxisRange);
+    const double step = (most - least) / static_cast<double>(TextureProfile::kBins);
     const std::vector<double> x = count_up(TextureProfile::kBins, least + step / 2, step);
     const std::vector<double> ya(a.histogram[axis].begin(), a.histogram[axis].end());
     const std::vector<double> yb(b.histogram[axis].begin(), b.histogram[axis].end());

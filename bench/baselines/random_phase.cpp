@@ -15,7 +15,8 @@ namespace {
 double mean_of(PlaneView<const float> plane) {
     double sum = 0;
     for (std::size_t r = 0; r < plane.rows; ++r) {
-        for (std::size_t c = 0; c < plane.cols; ++c) sum += double{plane(r, c)};
+        for (std::size_t c = 0; c < plane.cols; ++c)
+            sum += static_cast<double>(plane(r, c));
     }
     return sum / static_cast<double>(plane.size());
 }

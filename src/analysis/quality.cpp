@@ -129,7 +129,8 @@ Result<std::vector<PieceFeatures>> describe_all(const Image& planes,
 double group_distance_sq(const Features& a, const Features& b, const Group& group) {
     double sum = 0;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-        const double difference = double{a.values()[i]} - double{b.values()[i]};
+        const double difference =
+            static_cast<double>(a.values()[i]) - static_cast<double>(b.values()[i]);
         sum += difference * difference;
     }
     return sum / static_cast<double>(std::max<std::size_t>(group.count, 1));

@@ -65,7 +65,8 @@ void read_quantiles(const std::vector<std::uint32_t>& histogram, std::size_t tot
         const double within =
             histogram[bin] > 0 ? (target - below) / histogram[bin] : 0.5;
         quantiles[q] =
-            (static_cast<double>(bin) + within) / double{kBinsPerUnit} - double{kRange};
+            (static_cast<double>(bin) + within) / static_cast<double>(kBinsPerUnit) -
+            static_cast<double>(kRange);
     }
 }
 
@@ -132,7 +133,8 @@ ColourBasis estimate_basis(const Image& linear) {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (std::size_t r = 0; r < lab.rows(); ++r) {
         for (std::size_t c = 0; c < lab.cols(); ++c) {
-            const Eigen::Vector3d x(lab(0, r, c), lab(1, r, c), lab(2, r, c));
+            const Eigen::Vector3d x =
+                Eigen::Vector3f(lab(0, r, c), lab(1, r, c), lab(2, r, c)).cast<double>();
             mean += x;
             covariance += x * x.transpose();
         }

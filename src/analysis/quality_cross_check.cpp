@@ -44,8 +44,8 @@ double log_gradient_kurtosis(const Image& image, std::size_t down, std::size_t a
     double count = 0;
     for (std::size_t r = 0; r + down < image.rows(); ++r) {
         for (std::size_t c = 0; c + across < image.cols(); ++c) {
-            const double d =
-                double{image(0, r + down, c + across)} - double{image(0, r, c)};
+            const double d = static_cast<double>(image(0, r + down, c + across)) -
+                             static_cast<double>(image(0, r, c));
             square += d * d;
             fourth += d * d * d * d;
             count += 1;
@@ -202,7 +202,8 @@ std::array<double, kPatchQuantiles> response_quantiles(const Image& image,
         const auto below = static_cast<std::size_t>(at);
         const std::size_t above = std::min(below + 1, responses.size() - 1);
         const double t = at - static_cast<double>(below);
-        quantiles[q] = (1 - t) * double{responses[below]} + t * double{responses[above]};
+        quantiles[q] = (1 - t) * static_cast<double>(responses[below]) +
+                       t * static_cast<double>(responses[above]);
     }
     return quantiles;
 }
@@ -230,7 +231,8 @@ double deviation_of(const Image& image) {
     const double mean =
         std::accumulate(image.values().begin(), image.values().end(), 0.0) / n;
     double square = 0;
-    for (float v : image.values()) square += (double{v} - mean) * (double{v} - mean);
+    for (float v : image.values())
+        square += (static_cast<double>(v) - mean) * (static_cast<double>(v) - mean);
     return std::sqrt(square / n);
 }
 
@@ -264,7 +266,8 @@ SeamRatio seam_ratio(ImageView<const float> image) {
         const auto plane = image.plane(b);
         const auto gap = [&plane](std::size_t r, std::size_t c, std::size_t r2,
                                   std::size_t c2) {
-            return std::abs(double{plane(r, c)} - double{plane(r2, c2)});
+            return std::abs(static_cast<double>(plane(r, c)) -
+                            static_cast<double>(plane(r2, c2)));
         };
         for (std::size_t r = 0; r < rows; ++r) {
             for (std::size_t c = 0; c < cols; ++c) {

@@ -10,7 +10,6 @@
 namespace sateen::quality {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 double signed_frequency(std::size_t k, std::size_t n) {
     const auto whole = static_cast<double>(n);
@@ -37,14 +36,15 @@ Taper::Taper(std::size_t length) : gain(length) {
                              static_cast<double>(edge);
         gain[i] =
             from_end < edge ? static_cast<float>(0.5 - 0.5 * std::cos(phase)) : 1.0F;
-        energy += double{gain[i]} * double{gain[i]};
+        energy += static_cast<double>(gain[i]) * static_cast<double>(gain[i]);
     }
 }
 
 double Taper::overlap(std::size_t lag) const {
     double sum = 0;
     for (std::size_t i = 0; i < gain.size(); ++i) {
-        sum += double{gain[i]} * double{gain[(i + lag) % gain.size()]};
+        sum += static_cast<double>(gain[i]) *
+               static_cast<double>(gain[(i + lag) % gain.size()]);
     }
     return sum;
 }
@@ -57,8 +57,9 @@ SplitComplexPlane tapered_spectrum(PlaneView<const float> plane, const SpectrumG
     double total = 0;
     for (std::size_t r = 0; r < plane.rows; ++r) {
         for (std::size_t c = 0; c < plane.cols; ++c) {
-            const double w = double{down.gain[r]} * double{across.gain[c]};
-            sum += w * double{plane(r, c)};
+            const double w =
+                static_cast<double>(down.gain[r]) * static_cast<double>(across.gain[c]);
+            sum += w * static_cast<double>(plane(r, c));
             total += w;
         }
     }
@@ -111,8 +112,8 @@ void add_power(const SplitComplexPlane& spectrum, const SpectrumGrid& grid, doub
         const std::uint16_t* cell = grid.cell.data() + m * spectrum.cols();
         for (std::size_t n = 0; n < spectrum.cols(); ++n) {
             if (cell[n] == SpectrumGrid::kNoCell) continue;
-            power[cell[n]] +=
-                double{view.re(m, n) * view.re(m, n) + view.im(m, n) * view.im(m, n)};
+            power[cell[n]] += static_cast<double>(view.re(m, n) * view.re(m, n) +
+                                                  view.im(m, n) * view.im(m, n));
         }
     }
     // White noise of variance v has E|ŷ|² = v Σ taper² in every bin.
@@ -153,9 +154,9 @@ void add_autocovariance(const SplitComplexPlane& spectrum, const SpectrumGrid& g
         down_overlap[lag] = grid.down.overlap(lag);
         across_overlap[lag] = grid.across.overlap(lag);
     }
-    const double variance =
-        double{covariance(0, 0, 0)} / (grid.down.energy * grid.across.energy) +
-        kInvisible * kInvisible;
+    const double variance = static_cast<double>(covariance(0, 0, 0)) /
+                                (grid.down.energy * grid.across.energy) +
+                            kInvisible * kInvisible;
 
     std::size_t annuli = 0;
     for (std::size_t inner = 1; inner <= longest; inner *= 2) ++annuli;
@@ -171,7 +172,7 @@ void add_autocovariance(const SplitComplexPlane& spectrum, const SpectrumGrid& g
                 const std::size_t radius_sq = r * r + c * c;
                 if (r == 0 && left) continue;
                 if (radius_sq < inner * inner || radius_sq >= outer * outer) continue;
-                features.add(double{covariance(0, r, left ? N - c : c)} /
+                features.add(static_cast<double>(covariance(0, r, left ? N - c : c)) /
                              (down_overlap[r] * across_overlap[c] * variance));
             }
         }

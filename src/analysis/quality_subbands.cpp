@@ -21,8 +21,8 @@ double sum_row(std::size_t count, F&& f) {
         for (std::size_t k = 0; k < kLanes; ++k) lanes[k] += f(i + k);
     }
     double sum = 0;
-    for (; i < count; ++i) sum += double{f(i)};
-    for (float lane : lanes) sum += double{lane};
+    for (; i < count; ++i) sum += static_cast<double>(f(i));
+    for (float lane : lanes) sum += static_cast<double>(lane);
     return sum;
 }
 
@@ -236,10 +236,10 @@ void add_phases(const PyramidLevel& child, const PyramidLevel& parent, double we
                 const float doubled_im = 2 * a * b * scale;
                 const float x = child.re(k, 2 * r, 2 * c);
                 const float y = child.im(k, 2 * r, 2 * c);
-                real += double{x * doubled_re + y * doubled_im};
-                imaginary += double{y * doubled_re - x * doubled_im};
-                child_power += double{x * x + y * y};
-                parent_power += double{a * a + b * b};
+                real += static_cast<double>(x * doubled_re + y * doubled_im);
+                imaginary += static_cast<double>(y * doubled_re - x * doubled_im);
+                child_power += static_cast<double>(x * x + y * y);
+                parent_power += static_cast<double>(a * a + b * b);
             }
         }
         const auto n = static_cast<double>(parent.re.plane_size());

@@ -42,8 +42,8 @@ Image density_of(const SplitComplexPlane& spectrum, double energy) {
     const auto view = spectrum.view();
     for (std::size_t m = 0; m < spectrum.rows(); ++m) {
         for (std::size_t n = 0; n < spectrum.cols(); ++n) {
-            const double re = view.re(m, n);
-            const double im = view.im(m, n);
+            const auto re = static_cast<double>(view.re(m, n));
+            const auto im = static_cast<double>(view.im(m, n));
             density(0, m, n) = static_cast<float>((re * re + im * im) / energy);
         }
     }
@@ -68,7 +68,7 @@ void add_radial(const Image& density, std::size_t cols, TextureProfile& profile)
             const auto ring = std::min(
                 rings - 1,
                 static_cast<std::size_t>(kRingsPerOctave * std::log2(radius / lowest)));
-            sum[ring] += double{density(0, m, n)};
+            sum[ring] += static_cast<double>(density(0, m, n));
             count[ring] += 1;
         }
     }
@@ -91,8 +91,8 @@ Image picture_of(const Image& density, std::size_t cols) {
         const std::size_t r = (m + rows / 2) % rows * side / rows;
         for (std::size_t n = 0; n < cols; ++n) {
             const bool mirrored = n >= density.cols();
-            const double value = double{mirrored ? density(0, (rows - m) % rows, cols - n)
-                                                 : density(0, m, n)};
+            const double value = static_cast<double>(
+                mirrored ? density(0, (rows - m) % rows, cols - n) : density(0, m, n));
             const std::size_t c = (n + cols / 2) % cols * side / cols;
             sum[r * side + c] += value;
             count[r * side + c] += 1;
@@ -118,15 +118,17 @@ void add_autocovariance(const Image& density, const SpectrumGrid& grid, const Ff
     Image covariance(1, fft.rows(), fft.cols());
     SerialExecutor serial;
     fft.inverse(power.view(), covariance.plane(0), serial);
-    const double variance = std::max(double{covariance(0, 0, 0)}, 1e-12);
+    const double variance = std::max(static_cast<double>(covariance(0, 0, 0)), 1e-12);
     constexpr std::size_t kLongest = 128;
     for (std::size_t lag = 0; lag <= std::min(kLongest, fft.cols() / 4); ++lag) {
-        profile.along_cols.push_back(double{covariance(0, 0, lag)} / variance *
-                                     grid.across.energy / grid.across.overlap(lag));
+        profile.along_cols.push_back(static_cast<double>(covariance(0, 0, lag)) /
+                                     variance * grid.across.energy /
+                                     grid.across.overlap(lag));
     }
     for (std::size_t lag = 0; lag <= std::min(kLongest, fft.rows() / 4); ++lag) {
-        profile.along_rows.push_back(double{covariance(0, lag, 0)} / variance *
-                                     grid.down.energy / grid.down.overlap(lag));
+        profile.along_rows.push_back(static_cast<double>(covariance(0, lag, 0)) /
+                                     variance * grid.down.energy /
+                                     grid.down.overlap(lag));
     }
 }
 

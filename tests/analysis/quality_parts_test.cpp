@@ -27,7 +27,8 @@ double weighted_square(const Features& a, const Features& b) {
     for (const Group& group : a.groups()) {
         double square = 0;
         for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-            const double d = double{a.values()[i]} - double{b.values()[i]};
+            const double d =
+                static_cast<double>(a.values()[i]) - static_cast<double>(b.values()[i]);
             square += d * d;
         }
         sum += group.weight * square / static_cast<double>(group.count);
@@ -44,20 +45,24 @@ TEST(QualityParts, KlPlanesAreUncorrelatedAndKeepDeltaE) {
         for (std::size_t q = p; q < kPlanes; ++q) {
             double product = 0;
             for (std::size_t i = 0; i < planes.plane_size(); ++i) {
-                product +=
-                    double{planes.plane(p).data[i]} * double{planes.plane(q).data[i]};
+                product += static_cast<double>(planes.plane(p).data[i]) *
+                           static_cast<double>(planes.plane(q).data[i]);
             }
             const double expected = p == q ? basis.deviation[p] * basis.deviation[p] : 0;
             EXPECT_NEAR(product / n, expected, 1e-3);
         }
     }
-    const Lab a = lab_from_linear_srgb(double{image(0, 3, 4)}, double{image(1, 3, 4)},
-                                       double{image(2, 3, 4)});
-    const Lab b = lab_from_linear_srgb(double{image(0, 70, 9)}, double{image(1, 70, 9)},
-                                       double{image(2, 70, 9)});
+    const Lab a = lab_from_linear_srgb(static_cast<double>(image(0, 3, 4)),
+                                       static_cast<double>(image(1, 3, 4)),
+                                       static_cast<double>(image(2, 3, 4)));
+    const Lab b = lab_from_linear_srgb(static_cast<double>(image(0, 70, 9)),
+                                       static_cast<double>(image(1, 70, 9)),
+                                       static_cast<double>(image(2, 70, 9)));
     double square = 0;
     for (std::size_t p = 0; p < kPlanes; ++p) {
-        square += std::pow(double{planes(p, 3, 4)} - double{planes(p, 70, 9)}, 2);
+        square += std::pow(
+            static_cast<double>(planes(p, 3, 4)) - static_cast<double>(planes(p, 70, 9)),
+            2);
     }
     EXPECT_NEAR(std::sqrt(square), delta_e_76(a, b), 0.01);
 }
@@ -73,7 +78,7 @@ TEST(QualityParts, ColourIsTheSlicedWassersteinDistance) {
     std::vector<double> right;
     for (std::size_t i = 0; i < a.plane_size(); ++i) {
         const auto normal = [i](const Image& image) {
-            return 116 * std::cbrt(double{image.values()[i]}) - 16;
+            return 116 * std::cbrt(static_cast<double>(image.values()[i])) - 16;
         };
         left.push_back(12 * normal(x));
         right.push_back(5 * std::abs(normal(y)));
@@ -111,7 +116,8 @@ TEST(QualityParts, PowerOfWhiteNoiseIsItsVarianceInEveryCell) {
         // the taper over about two bins; 4.5 deviations, one test in 10^5.
         const double deviation = 0.5 * std::sqrt(2 / std::max(1.0, grid.bins[i]));
         if (grid.bins[i] >= 8) {
-            EXPECT_NEAR(double{features.values()[i]}, expected, 4.5 * deviation);
+            EXPECT_NEAR(static_cast<double>(features.values()[i]), expected,
+                        4.5 * deviation);
         }
     }
 }
@@ -140,7 +146,7 @@ TEST(QualityParts, AutocovarianceIsTheCircularProductOfTheTaperedPlane) {
         const double expected =
             reference::circular_product(tapered.plane(0), dr, dc) /
             (grid.down.overlap(dr) * grid.across.overlap(dc) * variance);
-        EXPECT_NEAR(double{features.values()[i]}, expected, 1e-4);
+        EXPECT_NEAR(static_cast<double>(features.values()[i]), expected, 1e-4);
     }
 }
 
@@ -164,7 +170,8 @@ TEST(SteerablePyramid, KeepsTheEnergyOfThePlane) {
 
         const auto energy = [](const Image& image) {
             double sum = 0;
-            for (float v : image.values()) sum += double{v} * double{v};
+            for (float v : image.values())
+                sum += static_cast<double>(v) * static_cast<double>(v);
             return sum;
         };
         double sum = energy(bands.high);
@@ -188,8 +195,9 @@ TEST(SteerablePyramid, TheMagnitudeOfAGratingIsFlat) {
     Image grating(1, side, side);
     for (std::size_t r = 0; r < side; ++r) {
         for (std::size_t c = 0; c < side; ++c) {
-            grating(0, r, c) = static_cast<float>(std::cos(
-                2 * std::numbers::pi * 40 * static_cast<double>(c) / double{side}));
+            grating(0, r, c) = static_cast<float>(
+                std::cos(2 * std::numbers::pi * 40 * static_cast<double>(c) /
+                         static_cast<double>(side)));
         }
     }
     auto pyramid = SteerablePyramid::create(side, side, 2);

@@ -211,7 +211,7 @@ TEST(CrossCheck, GradientKurtosisOfLaplaceNoiseIsKnown) {
     Image laplace(1, 512, 512);
     for (std::size_t i = 0; i < laplace.plane_size(); ++i) {
         const auto normal = [&](std::size_t k) {
-            return 116 * std::cbrt(double{n[k].values()[i]}) - 16;
+            return 116 * std::cbrt(static_cast<double>(n[k].values()[i])) - 16;
         };
         // The determinant of a 2 x 2 matrix of normals is Laplace distributed,
         // variance 2.
@@ -279,7 +279,8 @@ TEST(TextureProfile, OfWhiteNoiseIsFlat) {
     auto profile = texture_profile(grey_noise(400, 301, 50, 4, 1));
     ASSERT_TRUE(profile.has_value());
     double mean = 0;
-    for (double p : profile->power) mean += p / static_cast<double>(profile->power.size());
+    for (double p : profile->power)
+        mean += p / static_cast<double>(profile->power.size());
     EXPECT_NEAR(profile->power.back(), 16, 0.5);
     EXPECT_NEAR(mean, 16, 2);
     EXPECT_EQ(profile->along_cols.front(), 1);
@@ -289,7 +290,7 @@ TEST(TextureProfile, OfWhiteNoiseIsFlat) {
     double lightness = 0;
     for (std::size_t k = 0; k < TextureProfile::kBins; ++k) {
         lightness += profile->histogram[0][k] * (static_cast<double>(k) + 0.5) * 100 /
-                     double{TextureProfile::kBins};
+                     static_cast<double>(TextureProfile::kBins);
     }
     EXPECT_NEAR(lightness, 50, 0.1);
     EXPECT_EQ(profile->spectrum.rows(), 256U);
@@ -301,8 +302,9 @@ TEST(TextureProfile, FindsThePeriodOfAWeave) {
     EXPECT_GT(profile->along_cols[16], 0.8 * profile->along_cols[0]);
     EXPECT_LT(profile->along_cols[8], 0.2);
     const auto peak = std::max_element(profile->power.begin(), profile->power.end());
-    EXPECT_NEAR(profile->frequency[static_cast<std::size_t>(peak - profile->power.begin())],
-                1.0 / 16, 0.005);
+    EXPECT_NEAR(
+        profile->frequency[static_cast<std::size_t>(peak - profile->power.begin())],
+        1.0 / 16, 0.005);
 }
 
 }  // namespace

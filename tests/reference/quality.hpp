@@ -25,7 +25,8 @@ inline double circular_product(PlaneView<const float> x, std::size_t dr, std::si
     double sum = 0;
     for (std::size_t r = 0; r < x.rows; ++r) {
         for (std::size_t c = 0; c < x.cols; ++c) {
-            sum += double{x(r, c)} * double{x((r + dr) % x.rows, (c + dc) % x.cols)};
+            sum += static_cast<double>(x(r, c)) *
+                   static_cast<double>(x((r + dr) % x.rows, (c + dc) % x.cols));
         }
     }
     return sum;

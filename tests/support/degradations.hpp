@@ -128,8 +128,8 @@ inline Image white_noise_like(const Image& linear, std::uint64_t seed) {
         double square = 0;
         const auto plane = out.values().subspan(b * out.plane_size(), out.plane_size());
         for (float v : plane) {
-            sum += double{v};
-            square += double{v} * double{v};
+            sum += static_cast<double>(v);
+            square += static_cast<double>(v) * static_cast<double>(v);
         }
         const double mean = sum / static_cast<double>(plane.size());
         const double deviation = std::sqrt(
@@ -138,7 +138,8 @@ inline Image white_noise_like(const Image& linear, std::uint64_t seed) {
             const auto row = plane.subspan(r * out.cols(), out.cols());
             draw_normals({seed, static_cast<std::uint32_t>(b)},
                          static_cast<std::int32_t>(r), 0, row);
-            for (float& v : row) v = static_cast<float>(mean + deviation * double{v});
+            for (float& v : row)
+                v = static_cast<float>(mean + deviation * static_cast<double>(v));
         }
     }
     return through_eight_bits(out);

@@ -77,7 +77,7 @@ inline Image weave(std::size_t rows, std::size_t cols, double period,
                 0.35 + 0.2 * (warp > weft ? warp : 0.3 * weft)};
             for (std::size_t b = 0; b < 3; ++b) {
                 image(b, r, c) = static_cast<float>(
-                    srgb_decode(code[b] + 0.03 * double{grain[b](0, 0, c)}));
+                    srgb_decode(code[b] + 0.03 * static_cast<double>(grain[b](0, 0, c))));
             }
         }
     }
@@ -93,7 +93,7 @@ inline Image grey_noise(std::size_t rows, std::size_t cols, double mean, double 
                      {image.plane(0).row(r), cols});
     }
     for (float& v : image.values()) {
-        const double f = (mean + deviation * double{v} + 16) / 116;
+        const double f = (mean + deviation * static_cast<double>(v) + 16) / 116;
         v = static_cast<float>(f * f * f);
     }
     return image;
