@@ -6,9 +6,13 @@
 
 #include <array>
 #include <charconv>
+#include <fstream>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
+
+#include "sateen/synthesis/synthesise.hpp"
 
 namespace sateen::cli {
 namespace {
@@ -31,11 +35,30 @@ std::pair<std::string, std::string> split(const std::string& text, char separato
 }  // namespace
 
 void CommonArguments::add_to(CLI::App& verb) {
-    verb.add_option("--seed", seed, "Seed of everything random")->capture_default_str();
-    verb.add_option("--threads", threads, "Threads; 0 for all cores")
+    constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::uint64_t>::max();
+    verb.add_option("--seed", seed, "Seed of everything random")
+        ->type_name("N")
         ->capture_default_str()
-        ->check(CLI::Range(std::size_t{0}, std::size_t{1024}));
-    verb.add_flag("--json", json, "Print results as JSON on stdout");
+        ->check(whole_number_up_to(kLargestSeed));
+    verb.add_option("--threads", threads, "Threads; 0 for all cores")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(whole_number_up_to(1024));
+    verb.add_flag("--json", json, "Print the results as JSON on stdout");
+    verb.set_help_flag("-h,--help", "Print this help");
+}
+
+std::function<std::string(const std::string&)> whole_number_up_to(std::uint64_t largest) {
+    return [largest](const std::string& text) {
+        const auto number = whole_number<std::uint64_t>(text);
+        if (number && *number <= largest) return std::string();
+        return fmt::format("\"{}\" is not a whole number from 0 to {}", text, largest);
+    };
+}
+
+bool looks_like_material(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return file.get() == 0x1F && file.get() == 0x8B;
 }
 
 Size parse_size(const std::string& text) {
@@ -43,9 +66,14 @@ Size parse_size(const std::string& text) {
     const auto cols = whole_number<std::size_t>(left);
     const auto rows = right.empty() ? cols : whole_number<std::size_t>(right);
     const bool complete = text.empty() || text.back() != 'x';
-    if (!complete || !cols || !rows || *cols == 0 || *rows == 0)
+    const auto drawable = [](std::optional<std::size_t> side) {
+        return side && *side >= 1 && *side <= kMaxTextureSide;
+    };
+    if (!complete || !drawable(cols) || !drawable(rows))
         throw CLI::ValidationError(
-            "--size", fmt::format("\"{}\" is not a size such as 512x512 or 2048", text));
+            fmt::format("\"{}\" is not a size such as 512x512 or 2048, 1 to {} pixels a "
+                        "side",
+                        text, kMaxTextureSide));
     return {*cols, *rows};
 }
 
@@ -58,10 +86,8 @@ Position parse_position(const std::string& text) {
         return x && *x >= -kFurthest && *x <= kFurthest;
     };
     if (!near(col) || !near(row))
-        throw CLI::ValidationError(
-            "--offset",
-            fmt::format("\"{}\" is not a position X,Y of whole pixels within 2^30",
-                        text));
+        throw CLI::ValidationError(fmt::format(
+            "\"{}\" is not a position X,Y of whole pixels within 2^30", text));
     return {*col, *row};
 }
 
@@ -72,22 +98,18 @@ Direction parse_direction(const std::string& text) {
     const bool numbers =
         CLI::detail::lexical_cast(left, theta) && CLI::detail::lexical_cast(right, phi);
     if (!numbers || !(theta >= 0 && theta <= 90) || !(phi >= -360 && phi <= 360))
-        throw CLI::ValidationError(
-            "direction",
-            fmt::format(
-                "\"{}\" is not THETA,PHI in degrees, theta 0 to 90, phi -360 to 360",
-                text));
+        throw CLI::ValidationError(fmt::format(
+            "\"{}\" is not THETA,PHI in degrees, theta 0 to 90, phi -360 to 360", text));
     return direction_from_degrees(static_cast<float>(theta), static_cast<float>(phi));
 }
 
-std::size_t parse_auto_or_number(const std::string& option, const std::string& text,
-                                 std::size_t smallest, std::size_t largest) {
+std::size_t parse_auto_or_number(const std::string& text, std::size_t smallest,
+                                 std::size_t largest) {
     if (text == "auto") return 0;
     const auto number = whole_number<std::size_t>(text);
     if (!number || *number < smallest || *number > largest)
-        throw CLI::ValidationError(
-            option, fmt::format("\"{}\" is not auto or a number from {} to {}", text,
-                                smallest, largest));
+        throw CLI::ValidationError(fmt::format(
+            "\"{}\" is not auto or a number from {} to {}", text, smallest, largest));
     return *number;
 }
 
@@ -100,7 +122,7 @@ Encoding parse_encoding(const std::string& text) {
     for (const auto& [name, encoding] : kNames)
         if (text == name) return encoding;
     throw CLI::ValidationError(
-        "--encoding", fmt::format("\"{}\" is not auto, srgb, gamma2.2 or linear", text));
+        fmt::format("\"{}\" is not auto, srgb, gamma2.2 or linear", text));
 }
 
 }  // namespace sateen::cli

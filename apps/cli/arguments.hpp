@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <functional>
 #include <string>
 
 #include "sateen/core/direction.hpp"
@@ -32,6 +32,13 @@ struct Position {
     std::int32_t row = 0;
 };
 
+/// A check for CLI11, which itself takes -1 for the largest number.
+[[nodiscard]] std::function<std::string(const std::string&)> whole_number_up_to(
+    std::uint64_t largest);
+
+/// Materials are gzip files, which no image or measurement is.
+[[nodiscard]] bool looks_like_material(const std::string& path);
+
 /// "WxH" or "N" for a square. Throws CLI::ValidationError, as CLI11 wants it.
 [[nodiscard]] Size parse_size(const std::string& text);
 /// "X,Y", whole numbers that may be negative.
@@ -39,8 +46,7 @@ struct Position {
 /// "THETA,PHI" in degrees.
 [[nodiscard]] Direction parse_direction(const std::string& text);
 /// "auto" (gives 0) or a number in [smallest, largest].
-[[nodiscard]] std::size_t parse_auto_or_number(const std::string& option,
-                                               const std::string& text,
+[[nodiscard]] std::size_t parse_auto_or_number(const std::string& text,
                                                std::size_t smallest, std::size_t largest);
 [[nodiscard]] Encoding parse_encoding(const std::string& text);
 

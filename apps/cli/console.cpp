@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 namespace sateen::cli {
 namespace {
@@ -29,6 +30,19 @@ void catch_interrupts() {
 
 bool interrupted() {
     return stop_requested != 0;
+}
+
+std::string one_line(std::string_view text) {
+    std::string line(text);
+    std::replace_if(
+        line.begin(), line.end(),
+        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+    return line;
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+    constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+    fmt::print("{}\n", json.dump(2, ' ', false, kReplace));
 }
 
 ConsoleProgress::ConsoleProgress() : visible_(isatty(STDERR_FILENO) != 0) {}

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,11 @@ namespace sateen::cli {
 /// unfinished files are removed. A second Ctrl-C ends it at once.
 void catch_interrupts();
 [[nodiscard]] bool interrupted();
+
+/// The text with control characters, which a terminal would obey, replaced by '?'.
+[[nodiscard]] std::string one_line(std::string_view text);
+/// Prints to stdout; bytes of file names that are not UTF-8 are replaced.
+void print_json(const nlohmann::ordered_json& json);
 
 /// A progress bar with the time left on stderr; nothing where stderr is not a terminal.
 class ConsoleProgress final : public Progress {

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "arguments.hpp"
+#include "console.hpp"
+#include "field_names.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/material_file.hpp"
 #include "sateen/io/open_measurement.hpp"
@@ -26,12 +27,6 @@ struct InfoArguments {
     bool json = false;
     bool skip_bad = false;
 };
-
-/// Materials are gzip files, which no measurement is.
-bool looks_like_material(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return file.get() == 0x1F && file.get() == 0x8B;
-}
 
 Json directions_json(const std::vector<Direction>& directions) {
     Json json = Json::array();
@@ -72,8 +67,8 @@ Result<Json> describe_material(const std::string& path) {
         std::size_t coefficients = 0;
         for (const Level& level : subspace.levels)
             for (const FieldModel& field : level.fields)
-                coefficients += std::get<Car2d>(field).a.size();
-        json["subspaces"].push_back({{"field", "car2d"},
+                coefficients += coefficients_of(field);
+        json["subspaces"].push_back({{"field", field_names({&subspace, 1})},
                                      {"members", subspace.members},
                                      {"levels", subspace.levels.size()},
                                      {"coefficients", coefficients}});
@@ -99,32 +94,50 @@ Result<Json> describe_measurement(const InfoArguments& arguments) {
     json["checksum"] = fmt::format("{:016x}", info.checksum);
     json["views"] = directions_json(info.views);
     json["lights"] = directions_json(info.lights);
-    json["complete"] =
-        info.observations.size() == info.views.size() * info.lights.size() ||
-        !info.has_directions();
+    json["missing_pairs"] =
+        info.has_directions()
+            ? info.views.size() * info.lights.size() - info.observations.size()
+            : 0;
     json["skipped"] = info.skipped;
     return json;
 }
 
+/// A value on one line: sizes as 256x256, no quotes.
+std::string text_of(const std::string& key, const Json& value) {
+    if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+    if (key == "views" || key == "lights") return std::to_string(value.size());
+    if (key == "size" || key == "sample_size")
+        return fmt::format("{}x{}", value[0].dump(), value[1].dump());
+    return value.is_string() ? one_line(value.get<std::string>()) : value.dump();
+}
+
+bool says_nothing(const Json& value) {
+    return value.is_null() || (value.is_array() && value.empty()) || value == "";
+}
+
+void print_entry(const std::string& key, const Json& value) {
+    fmt::print("{:<22}{}\n", key, text_of(key, value));
+}
+
 void print_text(const Json& json) {
     for (const auto& [key, value] : json.items()) {
-        const bool directions = key == "views" || key == "lights";
-        if (directions)
-            fmt::print("{:<16} {} directions\n", key, value.size());
-        else if (key == "subspaces") {
-            fmt::print("{:<16} {}\n", key, value.size());
+        if (says_nothing(value)) continue;
+        if (key == "subspaces") {
+            print_entry(key, value.size());
             for (std::size_t k = 0; k < value.size(); ++k)
-                fmt::print("{:>16} {} images, {} levels, {} coefficients\n", k,
+                fmt::print("  {:<20}{}, {} images, {} levels, {} coefficients\n", k,
+                           value[k]["field"].get<std::string>(),
                            value[k]["members"].dump(), value[k]["levels"].dump(),
                            value[k]["coefficients"].dump());
+        } else if (key == "skipped") {
+            print_entry(key, value.size());
+            for (const Json& line : value) print_entry("", line);
         } else if (value.is_object()) {
             fmt::print("{}\n", key);
             for (const auto& [name, part] : value.items())
-                fmt::print("{:>16} {}\n", name,
-                           part.is_string() ? part.get<std::string>() : part.dump());
+                if (!says_nothing(part)) print_entry("  " + name, part);
         } else {
-            fmt::print("{:<16} {}\n", key,
-                       value.is_string() ? value.get<std::string>() : value.dump());
+            print_entry(key, value);
         }
     }
 }
@@ -134,7 +147,7 @@ Result<void> run_info(const InfoArguments& arguments) {
                                     ? describe_material(arguments.file)
                                     : describe_measurement(arguments));
     if (arguments.json)
-        fmt::print("{}\n", json.dump(2));
+        print_json(json);
     else
         print_text(json);
     return {};
@@ -146,7 +159,10 @@ Verb add_info(CLI::App& program) {
     auto arguments = std::make_shared<InfoArguments>();
     CLI::App* verb =
         program.add_subcommand("info", "Say what a measurement or a material holds");
-    verb->add_option("file", arguments->file, "A measurement or a material")->required();
+    verb->add_option("FILE", arguments->file, "A material, or what sateen model takes")
+        ->type_name("")
+        ->required();
+    verb->set_help_flag("-h,--help", "Print this help");
     verb->add_flag("--json", arguments->json, "Print as JSON");
     verb->add_flag("--skip-bad", arguments->skip_bad,
                    "Leave out unreadable images of a measurement and list them");

@@ -11,6 +11,7 @@
 
 #include "arguments.hpp"
 #include "console.hpp"
+#include "field_names.hpp"
 #include "sateen/analysis/analyse.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/executor.hpp"
@@ -26,6 +27,7 @@ struct ModelArguments {
     std::vector<std::string> inputs;
     std::string output;
     std::string field = "auto";
+    std::string space = "auto";
     std::string subspaces = "auto";
     std::string levels = "auto";
     std::string neighbourhood = "auto";
@@ -41,6 +43,7 @@ std::string recorded_options(const ModelArguments& arguments) {
         if (value != "auto") text += (text.empty() ? "" : " ") + option + " " + value;
     };
     add("--field", arguments.field);
+    add("--space", arguments.space);
     if (arguments.paper) text += text.empty() ? "--paper" : " --paper";
     add("--subspaces", arguments.subspaces);
     add("--levels", arguments.levels);
@@ -53,21 +56,35 @@ std::string recorded_options(const ModelArguments& arguments) {
 Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
     AnalysisOptions options;
     options.paper = arguments.paper;
-    options.subspaces =
-        parse_auto_or_number("--subspaces", arguments.subspaces, 1, kMaxSubspaces);
-    options.levels = parse_auto_or_number("--levels", arguments.levels, 1, kMaxLevels);
+    options.subspaces = parse_auto_or_number(arguments.subspaces, 1, kMaxSubspaces);
+    options.levels = parse_auto_or_number(arguments.levels, 1, kMaxLevels);
+    SATEEN_TRY(options.field, parse_field_kind(arguments.field));
+    options.space = arguments.space == "rgb" ? Space::rgb : Space::kl;
     SATEEN_TRY(options.neighbourhood, parse_neighbourhood(arguments.neighbourhood));
     options.seed = arguments.common.seed;
     options.skip_bad = arguments.skip_bad;
     return options;
 }
 
+/// Why the automatic field is what it is.
+nlohmann::ordered_json choice_json(const FieldChoice& choice) {
+    return {{"criterion", "Bayesian information n D + k ln n with Whittle's deviance D, "
+                          "smaller is better; both models at equal bytes a coefficient"},
+            {"fields", {{"car2d", choice.car2d}, {"gmrf2d", choice.gmrf2d}}},
+            {"all_car2d", choice.information_car2d},
+            {"all_gmrf2d", choice.information_gmrf2d},
+            {"as_chosen", choice.information},
+            {"not_considered", "car3d, sar3d: no better than planes apart after the "
+                               "Karhunen-Loève transform, at 3 times the coefficients"}};
+}
+
 void print_summary(const ModelArguments& arguments, const Analysis& analysis,
                    const MeasurementInfo& info, std::size_t bytes, double seconds) {
     const Material& material = analysis.material;
     if (!arguments.common.json) {
-        fmt::print(stderr, "{}: {} images of {}x{}, {} subspace{}, {} bytes, {:.2f} s\n",
-                   arguments.output, info.observations.size(), info.cols, info.rows,
+        fmt::print(stderr, "{}: {} image{} of {}x{}, {} subspace{}, {} bytes, {:.2f} s\n",
+                   one_line(arguments.output), info.observations.size(),
+                   info.observations.size() == 1 ? "" : "s", info.cols, info.rows,
                    material.subspaces.size(), material.subspaces.size() == 1 ? "" : "s",
                    bytes, seconds);
         return;
@@ -78,22 +95,31 @@ void print_summary(const ModelArguments& arguments, const Analysis& analysis,
     json["seconds"] = seconds;
     json["images"] = info.observations.size();
     json["size"] = {info.cols, info.rows};
-    json["field"] = "car2d";
+    json["field"] = field_names(material.subspaces);
+    if (arguments.field == "auto" && !arguments.paper)
+        json["choice"] = choice_json(analysis.choice);
     json["paper"] = arguments.paper;
     for (std::size_t k = 0; k < material.subspaces.size(); ++k) {
         const Subspace& subspace = material.subspaces[k];
         json["subspaces"].push_back(
             {{"representative", info.observations[analysis.representatives[k]].name},
              {"members", subspace.members},
+             {"field", field_names({&subspace, 1})},
              {"levels", subspace.levels.size()}});
     }
     json["notes"] = analysis.notes;
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
 }
 
 Result<void> run_model(const ModelArguments& arguments) {
     const auto start = std::chrono::steady_clock::now();
     SATEEN_TRY(const AnalysisOptions options, analysis_options(arguments));
+    for (const std::string& input : arguments.inputs)
+        if (looks_like_material(input))
+            return Error{Errc::bad_format,
+                         input +
+                             ": is a material already, expected photographs or a "
+                             "measurement"};
     // Minutes of work should not end with "no such folder".
     SATEEN_TRY(AtomicFile probe, AtomicFile::create(arguments.output));
 
@@ -111,7 +137,7 @@ Result<void> run_model(const ModelArguments& arguments) {
 
     progress.clear();
     for (const std::string& note : analysis.notes)
-        fmt::print(stderr, "sateen: {}\n", note);
+        fmt::print(stderr, "sateen: {}\n", one_line(note));
     const std::chrono::duration<double> elapsed =
         std::chrono::steady_clock::now() - start;
     print_summary(arguments, analysis, measurement->info(), bytes, elapsed.count());
@@ -124,33 +150,41 @@ Verb add_model(CLI::App& program) {
     auto arguments = std::make_shared<ModelArguments>();
     CLI::App* verb = program.add_subcommand(
         "model", "Analyse a measurement or photographs and write the material");
-    verb->add_option(
-            "input", arguments->inputs,
-            "A UBO2003 or ATRIUM zip or folder, a folder with directions.csv, or one "
-            "or more photographs of one material")
+    verb->add_option("INPUT", arguments->inputs,
+                     "A UBO2003 or ATRIUM zip or folder, a folder with\n"
+                     "directions.csv, or photographs of one material")
+        ->type_name("")
         ->required();
-    verb->add_option("-o,--output", arguments->output, "The material file, NAME.sateen")
+    verb->add_option("-o,--output", arguments->output, "The material to write")
+        ->type_name("NAME.sateen")
         ->required();
-    verb->add_option("--field", arguments->field, "Random field model: auto or car2d")
-        ->check(CLI::IsMember({"auto", "car2d"}))
+    verb->add_option("--field", arguments->field, "Random field model")
+        ->check(CLI::IsMember({"auto", "car2d", "gmrf2d", "car3d", "sar3d"}))
+        ->capture_default_str();
+    verb->add_option("--space", arguments->space,
+                     "Planes of car3d and sar3d: kl (auto), or rgb, as with --paper")
+        ->check(CLI::IsMember({"auto", "kl", "rgb"}))
         ->capture_default_str();
     verb->add_flag(
         "--paper", arguments->paper,
-        "What [CAR2] prints: 3 neighbours, 3 levels, no marginal curves, recursion");
+        "As published: 3 neighbours, 3 levels, no marginal\ncurves, causal recursion");
     verb->add_option("--subspaces", arguments->subspaces, "auto or 1 to 20")
+        ->type_name("K")
         ->capture_default_str()
         ->check([](const std::string& text) {
-            (void)parse_auto_or_number("--subspaces", text, 1, kMaxSubspaces);
+            (void)parse_auto_or_number(text, 1, kMaxSubspaces);
             return std::string();
         });
     verb->add_option("--levels", arguments->levels, "Pyramid levels: auto or 1 to 8")
+        ->type_name("L")
         ->capture_default_str()
         ->check([](const std::string& text) {
-            (void)parse_auto_or_number("--levels", text, 1, kMaxLevels);
+            (void)parse_auto_or_number(text, 1, kMaxLevels);
             return std::string();
         });
     verb->add_option("--neighbourhood,--neighborhood", arguments->neighbourhood,
                      "auto, order:N, correlation:N, evidence:N or nearest:N")
+        ->type_name("RULE")
         ->capture_default_str()
         ->check([](const std::string& text) {
             const auto parsed = parse_neighbourhood(text);
@@ -158,6 +192,7 @@ Verb add_model(CLI::App& program) {
         });
     verb->add_option("--encoding", arguments->encoding,
                      "How files encode values: auto, srgb, gamma2.2 or linear")
+        ->type_name("CURVE")
         ->capture_default_str()
         ->check([](const std::string& text) {
             (void)parse_encoding(text);
@@ -166,6 +201,10 @@ Verb add_model(CLI::App& program) {
     verb->add_flag("--skip-bad", arguments->skip_bad,
                    "Leave out unreadable images and list them, instead of failing");
     arguments->common.add_to(*verb);
+    verb->footer(
+        "Examples:\n"
+        "  sateen model stone.jpg -o stone.sateen\n"
+        "  sateen model UBO_CORDUROY256.zip -o corduroy.sateen");
     return {verb, [arguments] { return run_model(*arguments); }};
 }
 

@@ -52,8 +52,9 @@ SynthesisOptions synthesis_options(const SynthesiseArguments& arguments) {
     return options;
 }
 
-WriteOptions write_options(const SynthesiseArguments& arguments) {
+WriteOptions write_options(const SynthesiseArguments& arguments, Executor& executor) {
     WriteOptions options;
+    options.executor = &executor;
     if (arguments.bits != 0) options.bits = arguments.bits;
     return options;
 }
@@ -63,7 +64,7 @@ Result<void> write_one(const SynthesiseArguments& arguments, const Material& mat
     const SynthesisOptions options = synthesis_options(arguments);
     SATEEN_TRY(const std::unique_ptr<ImageWriter> writer,
                ImageWriter::open(arguments.output, material.bands, options.rows,
-                                 options.cols, write_options(arguments)));
+                                 options.cols, write_options(arguments, executor)));
     SATEEN_CHECK(synthesise(
         material, subspace, options,
         [&](std::size_t, ImageView<const float> strip) {
@@ -77,6 +78,9 @@ Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
                                            const Material& material, Executor& executor,
                                            Progress& progress) {
     std::error_code failure;
+    if (std::filesystem::exists(arguments.output, failure) &&
+        !std::filesystem::is_directory(arguments.output, failure))
+        return Error{Errc::io, arguments.output + ": is a file, expected a folder"};
     std::filesystem::create_directories(arguments.output, failure);
     if (failure)
         return Error{Errc::io, fmt::format("{}: cannot create the folder: {}",
@@ -84,24 +88,24 @@ Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
     std::vector<std::size_t> subspaces;
     for (std::size_t k = 0; k < material.subspaces.size(); ++k) subspaces.push_back(k);
     std::vector<std::string> written;
-    SATEEN_CHECK(synthesise_tiles(
-        material, subspaces, synthesis_options(arguments),
-        [&](std::size_t k, Image texture) -> Result<void> {
-            const std::string name =
-                fmt::format("subspace_{:02}.{}", k, arguments.format);
-            const std::string path =
-                (std::filesystem::path(arguments.output) / name).string();
-            SATEEN_CHECK(write_image(path, texture.view(), write_options(arguments)));
-            written.push_back(path);
-            return {};
-        },
-        executor, progress));
+    const auto write = [&](std::size_t k, const Image& texture) -> Result<void> {
+        const std::string name = fmt::format("subspace_{:02}.{}", k, arguments.format);
+        const std::string path =
+            (std::filesystem::path(arguments.output) / name).string();
+        SATEEN_CHECK(
+            write_image(path, texture.view(), write_options(arguments, executor)));
+        written.push_back(path);
+        return {};
+    };
+    SATEEN_CHECK(synthesise_tiles(material, subspaces, synthesis_options(arguments),
+                                  write, executor, progress));
     return written;
 }
 
 Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     const auto start = std::chrono::steady_clock::now();
     SATEEN_TRY(const Material material, load_material(arguments.material));
+    const Size size = parse_size(arguments.size);
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
     ConsoleProgress progress;
     progress.stage("drawing");
@@ -121,13 +125,15 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     if (arguments.common.json) {
         nlohmann::ordered_json json;
         json["written"] = written;
-        json["seconds"] = elapsed.count();
+        json["size"] = {size.cols, size.rows};
+        json["seed"] = arguments.common.seed;
         if (!arguments.all) json["subspace"] = subspace;
-        fmt::print("{}\n", json.dump(2));
+        json["seconds"] = elapsed.count();
+        print_json(json);
     } else {
-        fmt::print(stderr, "{}: {} texture{} of {}, {:.2f} s\n", arguments.output,
-                   written.size(), written.size() == 1 ? "" : "s", arguments.size,
-                   elapsed.count());
+        fmt::print(stderr, "{}: {} texture{} of {}x{}, {:.2f} s\n",
+                   one_line(arguments.output), written.size(),
+                   written.size() == 1 ? "" : "s", size.cols, size.rows, elapsed.count());
     }
     return {};
 }
@@ -139,9 +145,12 @@ Verb add_synthesise(CLI::App& program) {
     CLI::App* verb = program.add_subcommand(
         "synthesise", "Draw seamless texture of any size from a material");
     verb->alias("synthesize");
-    verb->add_option("material", arguments->material, "The material file")->required();
+    verb->add_option("MATERIAL", arguments->material, "The material, NAME.sateen")
+        ->type_name("")
+        ->required();
     verb->add_option("-o,--output", arguments->output,
                      "Image file: .png, .jpg, .exr or .tif; with --all a folder")
+        ->type_name("OUT")
         ->required();
     const auto checked = [](auto parse) {
         return [parse](const std::string& text) {
@@ -150,31 +159,41 @@ Verb add_synthesise(CLI::App& program) {
         };
     };
     verb->add_option("--size", arguments->size,
-                     "Width x height in pixels, e.g. 2048x1024")
+                     "Width x height in pixels, or one number for a square")
+        ->type_name("WxH")
         ->capture_default_str()
         ->check(checked(parse_size));
-    auto* offset = verb->add_option("--offset", arguments->offset,
-                                    "X,Y of the window of the infinite plane, in pixels")
-                       ->capture_default_str()
-                       ->check(checked(parse_position));
+    auto* offset =
+        verb->add_option("--offset", arguments->offset,
+                         "Top left corner of the window of the infinite plane,\n"
+                         "in pixels: windows agree where they overlap")
+            ->type_name("X,Y")
+            ->capture_default_str()
+            ->check(checked(parse_position));
     auto* tileable = verb->add_flag("--tileable", arguments->tileable,
                                     "Seamless across its own borders (toroidal)");
-    auto* view = verb->add_option("--view", arguments->view, "THETA,PHI in degrees")
+    auto* view = verb->add_option("--view", arguments->view, "Direction in degrees")
+                     ->type_name("THETA,PHI")
                      ->capture_default_str()
                      ->check(checked(parse_direction));
-    auto* light = verb->add_option("--light", arguments->light, "THETA,PHI in degrees")
+    auto* light = verb->add_option("--light", arguments->light, "Direction in degrees")
+                      ->type_name("THETA,PHI")
                       ->capture_default_str()
                       ->check(checked(parse_direction));
     auto* subspace = verb->add_option("--subspace", arguments->subspace,
-                                      "Number of a subspace instead");
+                                      "Number of a subspace, instead of directions")
+                         ->type_name("K")
+                         ->check(whole_number_up_to(kMaxSubspaces - 1));
     auto* all = verb->add_flag("--all", arguments->all,
                                "Tileable textures of every subspace, into a folder");
     verb->add_flag("--recursive", arguments->recursive,
                    "Draw by causal recursion, as paper-mode materials are");
     verb->add_option("--bits", arguments->bits,
-                     "Bits a sample: PNG and TIFF 8 or 16, EXR 16 or 32")
+                     "Bits a sample: PNG 8 or 16, EXR 16 or 32, TIFF any of them")
+        ->type_name("N")
         ->check(CLI::IsMember({8, 16, 32}));
-    verb->add_option("--format", arguments->format, "With --all: png, jpg, exr or tif")
+    verb->add_option("--format", arguments->format, "Of the files that --all writes")
+        ->type_name("EXT")
         ->capture_default_str()
         ->check(CLI::IsMember({"png", "jpg", "exr", "tif"}))
         ->needs(all);
@@ -182,6 +201,11 @@ Verb add_synthesise(CLI::App& program) {
     for (CLI::Option* other : {view, light, subspace}) other->excludes(all);
     subspace->excludes(view)->excludes(light);
     arguments->common.add_to(*verb);
+    verb->footer(
+        "Examples:\n"
+        "  sateen synthesise stone.sateen -o stone.png --size 2048 --tileable\n"
+        "  sateen synthesise corduroy.sateen -o lit.exr --view 30,0 --light 45,90\n"
+        "  sateen synthesise corduroy.sateen -o textures --all");
     return {verb, [arguments] { return run_synthesise(*arguments); }};
 }
 

@@ -19,5 +19,6 @@ struct Verb {
 [[nodiscard]] Verb add_model(CLI::App& program);
 [[nodiscard]] Verb add_synthesise(CLI::App& program);
 [[nodiscard]] Verb add_info(CLI::App& program);
+[[nodiscard]] Verb add_compare(CLI::App& program);
 
 }  // namespace sateen::cli

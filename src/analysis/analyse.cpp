@@ -16,7 +16,7 @@ namespace {
 /// What the material says of the measurement as a whole.
 Material describe(const MeasurementInfo& info, const AnalysisOptions& options) {
     Material material;
-    material.provenance.name = info.name;
+    material.provenance.name = valid_text(info.name);
     material.provenance.source = info.layout;
     material.provenance.source_checksum = info.checksum;
     material.cosine_included = info.radiometry.cosine_included;
@@ -24,7 +24,9 @@ Material describe(const MeasurementInfo& info, const AnalysisOptions& options) {
     material.sample_rows = static_cast<std::uint32_t>(info.rows);
     material.sample_cols = static_cast<std::uint32_t>(info.cols);
     material.bands = static_cast<std::uint32_t>(info.bands);
-    material.drawing = options.paper ? Drawing::recursive : Drawing::spectral;
+    const bool causal =
+        options.field == FieldKind::automatic || options.field == FieldKind::car2d;
+    material.drawing = options.paper && causal ? Drawing::recursive : Drawing::spectral;
     material.views = info.views;
     material.lights = info.lights;
     return material;
@@ -32,7 +34,13 @@ Material describe(const MeasurementInfo& info, const AnalysisOptions& options) {
 
 /// The paper's settings where the user gave none.
 AnalysisOptions with_paper_defaults(AnalysisOptions options) {
-    if (options.paper) options.neighbourhood = {NeighbourhoodRule::nearest, 3};
+    // [SAR] and the 3D CAR model the channels as they are.
+    if (options.paper) options.space = Space::rgb;
+    if (options.paper && options.neighbourhood == NeighbourhoodOptions{})
+        options.neighbourhood =
+            options.field == FieldKind::gmrf2d
+                ? NeighbourhoodOptions{NeighbourhoodRule::order, 4}
+                : NeighbourhoodOptions{NeighbourhoodRule::nearest, 3};
     return options;
 }
 
@@ -62,6 +70,10 @@ Result<Representatives> choose_representatives(const Measurement& measurement,
     segmentation.subspaces = options.subspaces;
     segmentation.seed = options.seed;
     segmentation.skip_bad = options.skip_bad;
+    if (options.paper) {
+        segmentation.orientation_weight = 0;
+        segmentation.grazing_penalty = 0;
+    }
     SATEEN_TRY(Segmentation segments,
                segment(measurement, segmentation, executor, progress));
     for (const std::string& reason : segments.pass.reasons)
@@ -108,7 +120,7 @@ Result<Analysis> analyse(const Measurement& measurement,
                          Progress& progress) {
     const AnalysisOptions options = with_paper_defaults(user_options);
     const MeasurementInfo& info = measurement.info();
-    Analysis result{describe(info, options), info.skipped, {}};
+    Analysis result{describe(info, options), info.skipped, {}, {}};
     Material& material = result.material;
 
     // 1. Segment the BTF space into subspaces, each with its representative image.
@@ -159,6 +171,7 @@ Result<Analysis> analyse(const Measurement& measurement,
         for (const std::string& note : done.notes)
             result.notes.push_back("subspace " + std::to_string(k) + ": " + note);
         result.representatives.push_back(observation);
+        result.choice.add(done.choice);
         material.subspaces.push_back(std::move(subspace));
     }
     return result;

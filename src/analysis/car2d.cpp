@@ -98,8 +98,8 @@ Result<Car2dEstimate> estimate_car2d(const NormalEquations& equations,
     if (!(variance > 0))
         return Error{Errc::singular,
                      "a constant plane has no autoregressive model: variance " +
-                         std::to_string(variance) + " over " + std::to_string(n) +
-                         " sites"};
+                         std::to_string(variance) + " over " +
+                         std::to_string(static_cast<std::size_t>(n)) + " sites"};
 
     const Matrix V_xx_0 = prior_V_xx(eta, prior.weight, variance);
     const Matrix V_xx =

@@ -65,15 +65,18 @@ static_assert(kLabBins[0].count <= kMaxBins && kLabBins[1].count <= kMaxBins &&
 
 }  // namespace
 
-ColourHistogram colour_histogram(ImageView<const float> image) {
+ColourHistogram colour_histogram(ImageView<const float> image,
+                                 PlaneView<float> lightness) {
     assert(image.bands == 1 || image.bands == 3);
     const std::size_t count = image.plane_size();
+    assert(lightness.data == nullptr ||
+           (lightness.size() == count && lightness.contiguous()));
     std::array<Counter, 3> counters;
     std::array<Plane, 3> lab = {};
     for (std::size_t at = 0; at < count; at += kBlock) {
         const std::size_t size = std::min(kBlock, count - at);
         const auto band = [&](std::size_t b) {
-            return std::span(image.plane(b).data + at, size);
+            return std::span(image.data + b * count + at, size);
         };
         const auto out = [&](std::size_t c) { return std::span(lab[c]).first(size); };
         if (image.bands == 1) {
@@ -81,6 +84,8 @@ ColourHistogram colour_histogram(ImageView<const float> image) {
         } else {
             lab_from_linear_srgb(band(0), band(1), band(2), out(0), out(1), out(2));
         }
+        if (lightness.data != nullptr)
+            std::copy_n(lab[0].begin(), size, lightness.data + at);
         for (std::size_t c = 0; c < 3; ++c) counters[c].add(out(c), kLabBins[c]);
     }
     ColourHistogram histogram;

@@ -7,11 +7,12 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/fit_field.hpp"
 #include "sateen/analysis/autocovariance.hpp"
-#include "sateen/analysis/car2d.hpp"
 #include "sateen/analysis/marginal.hpp"
 #include "sateen/analysis/neighbourhood.hpp"
 #include "sateen/analysis/spectral.hpp"
+#include "sateen/analysis/translation.hpp"
 #include "sateen/core/fft.hpp"
 #include "sateen/core/pyramid.hpp"
 
@@ -50,14 +51,14 @@ std::vector<PlaneView<const float>> planes_of(const std::vector<Image>& images,
     return views;
 }
 
-/// The autocovariances of every level, pooled over the images; the planes made Gaussian.
+/// The autocovariances of every level of the Gaussian field behind the curve, pooled.
 Result<std::vector<Autocovariance>> level_statistics(
-    std::span<const PlaneView<const float>> planes, const MarginalDistribution& marginal,
+    std::span<const PlaneView<const float>> planes, const Marginal& marginal,
     std::size_t levels, int reach, Executor& executor) {
     std::vector<Autocovariance> pooled(levels);
     for (const auto& plane : planes) {
         Image gaussian(1, plane.rows, plane.cols);
-        marginal.gaussianise(plane, gaussian.plane(0));
+        SATEEN_CHECK(gaussian_behind_curve(plane, marginal, gaussian.plane(0), executor));
         SATEEN_TRY(const auto statistics,
                    power_preserving_pyramid(gaussian.plane(0), levels, reach, executor));
         for (std::size_t level = 0; level < levels; ++level)
@@ -66,81 +67,152 @@ Result<std::vector<Autocovariance>> level_statistics(
     return pooled;
 }
 
-/// The field of one level from its autocovariances, with exactly their variance.
-Result<Car2d> fit_level(const Autocovariance& R, const AnalysisOptions& options) {
-    if (R.variance() < kNegligibleDeviation * kNegligibleDeviation) return Car2d{};
-    SATEEN_TRY(auto neighbourhood, select_neighbourhood(R, options.neighbourhood));
-    SATEEN_TRY(Car2dEstimate estimate,
-               estimate_car2d(toroidal_normal_equations(R, std::move(neighbourhood))));
-    Car2d model = std::move(estimate.model);
-    const double implied = model_variance(model);
-    model.variance =
-        static_cast<float>(static_cast<double>(model.variance) * R.variance() / implied);
-    return model;
-}
-
-/// The field of one band of the ordinary pyramid, as [CAR2] estimates it.
-Result<Car2d> fit_level_as_printed(PlaneView<const float> band,
-                                   const AnalysisOptions& options) {
-    Autocovariance unused(1, static_cast<double>(band.size()));
-    SATEEN_TRY(auto neighbourhood, select_neighbourhood(unused, options.neighbourhood));
-    Result<Car2dEstimate> estimate =
-        estimate_car2d(interior_normal_equations(band, std::move(neighbourhood)));
-    if (!estimate) return Car2d{};
-    return std::move(estimate->model);
-}
-
 std::string place(std::size_t level, std::size_t plane) {
     return "level " + std::to_string(level) + ", plane " + std::to_string(plane);
 }
 
-/// Sum of squares over sites of a band, for the variance that a repaired model must keep.
-double variance_of(PlaneView<const float> band) {
-    double sum = 0;
-    for (std::size_t r = 0; r < band.rows; ++r)
-        for (std::size_t c = 0; c < band.cols; ++c)
-            sum += static_cast<double>(band(r, c)) * static_cast<double>(band(r, c));
-    return sum / static_cast<double>(band.size());
-}
-
 /// Fields of all levels of one plane, in the default mode.
-Result<std::vector<Car2d>> fit_plane(std::span<const PlaneView<const float>> planes,
-                                     const MarginalDistribution& marginal,
-                                     std::size_t levels, const AnalysisOptions& options,
-                                     Executor& executor) {
+Result<std::vector<FieldModel>> fit_plane(std::span<const PlaneView<const float>> planes,
+                                          const Marginal& marginal, std::size_t levels,
+                                          const AnalysisOptions& options,
+                                          FieldChoice& choice, Executor& executor) {
     const int reach = 2 * reach_of(options.neighbourhood);
     SATEEN_TRY(const auto statistics,
                level_statistics(planes, marginal, levels, reach, executor));
-    std::vector<Car2d> fields;
+    std::vector<FieldModel> fields;
     for (const Autocovariance& R : statistics) {
-        SATEEN_TRY(Car2d field, fit_level(R, options));
+        SATEEN_TRY(FieldModel field, fit_field(R, options, choice));
         fields.push_back(std::move(field));
     }
     return fields;
+}
+
+/// Cropped, or one of several photographs, a plane may have a mean, which least squares
+/// would take for a unit root of the low-pass residue.
+void centre_and_scale(PlaneView<const float> from, double scale, PlaneView<float> to) {
+    double mean = 0;
+    for (std::size_t i = 0; i < from.size(); ++i)
+        mean += static_cast<double>(from.data[i]) / static_cast<double>(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i)
+        to.data[i] =
+            static_cast<float>((static_cast<double>(from.data[i]) - mean) / scale);
 }
 
 /// Fields of all levels of one plane, in paper mode. Several photographs: the first
 /// counts.
-Result<std::vector<Car2d>> fit_plane_as_printed(
+Result<std::vector<FieldModel>> fit_plane_as_printed(
     PlaneView<const float> plane, double scale, std::size_t levels, std::size_t number,
     const AnalysisOptions& options, std::vector<std::string>& notes, Executor& executor) {
     Image unit(1, plane.rows, plane.cols);
-    const float inverse = static_cast<float>(1 / scale);
-    for (std::size_t i = 0; i < plane.size(); ++i)
-        unit.values()[i] = plane.data[i] * inverse;
+    centre_and_scale(plane, scale, unit.plane(0));
     SATEEN_TRY(std::vector<Image> bands, decompose(unit.view(), levels, executor));
-    std::vector<Car2d> fields;
+    std::vector<FieldModel> fields;
     for (std::size_t level = 0; level < levels; ++level) {
-        SATEEN_TRY(Car2d field, fit_level_as_printed(bands[level].plane(0), options));
-        const double radius = spectral_radius(field);
-        if (radius >= 1) {
-            field = stabilised(field, variance_of(bands[level].plane(0)));
-            notes.push_back(place(level, number) + ": unstable, spectral radius " +
-                            std::to_string(radius) + "; coefficients shrunk");
-        }
+        SATEEN_TRY(FieldModel field,
+                   fit_field_as_printed(bands[level].plane(0), options,
+                                        place(level, number), notes, executor));
         fields.push_back(std::move(field));
     }
     return fields;
+}
+
+/// All planes of one image as the joint models see them: the Gaussian fields behind their
+/// curves, or in paper mode of unit variance; 0 where constant.
+Result<Image> modelled_planes(const Image& image, const std::vector<Marginal>& marginals,
+                              bool paper, Executor& executor) {
+    Image planes(image.bands(), image.rows(), image.cols());
+    for (std::size_t i = 0; i < image.bands(); ++i) {
+        const PlaneView<const float> plane = image.plane(i);
+        if (marginals[i].scale == 0) continue;
+        if (paper)
+            centre_and_scale(plane, static_cast<double>(marginals[i].scale),
+                             planes.plane(i));
+        else
+            SATEEN_CHECK(
+                gaussian_behind_curve(plane, marginals[i], planes.plane(i), executor));
+    }
+    return planes;
+}
+
+std::vector<PlaneView<const float>> planes_of(const Image& image) {
+    std::vector<PlaneView<const float>> views;
+    for (std::size_t plane = 0; plane < image.bands(); ++plane)
+        views.push_back(image.plane(plane));
+    return views;
+}
+
+/// Cross-covariances of every level of the ordinary pyramid.
+Result<std::vector<CrossAutocovariance>> statistics_as_printed(const Image& planes,
+                                                               std::size_t levels,
+                                                               int reach,
+                                                               Executor& executor) {
+    SATEEN_TRY(const std::vector<Image> bands,
+               decompose(planes.view(), levels, executor));
+    std::vector<CrossAutocovariance> statistics;
+    for (const Image& band : bands) {
+        SATEEN_TRY(CrossAutocovariance R,
+                   toroidal_cross_autocovariance(planes_of(band), reach, executor));
+        statistics.push_back(std::move(R));
+    }
+    return statistics;
+}
+
+/// One field a level for all planes. In paper mode the first photograph counts.
+Result<void> fit_joint_levels(const std::vector<Image>& images,
+                              const AnalysisOptions& options, SubspaceFit& fit,
+                              Executor& executor) {
+    Subspace& subspace = fit.subspace;
+    const std::size_t levels = subspace.levels.size();
+    const int reach = 2 * reach_of(options.neighbourhood);
+    std::vector<CrossAutocovariance> pooled(levels);
+    for (const Image& image : images) {
+        SATEEN_TRY(const Image planes,
+                   modelled_planes(image, subspace.marginals, options.paper, executor));
+        SATEEN_TRY(const auto statistics,
+                   options.paper ? statistics_as_printed(planes, levels, reach, executor)
+                                 : joint_power_preserving_pyramid(
+                                       planes_of(planes), levels, reach, executor));
+        for (std::size_t level = 0; level < levels; ++level)
+            pooled[level].pool(statistics[level]);
+        if (options.paper) break;
+    }
+    for (std::size_t level = 0; level < levels; ++level) {
+        SATEEN_TRY(FieldModel field,
+                   fit_joint_field(pooled[level], options,
+                                   "level " + std::to_string(level), fit.notes));
+        subspace.levels[level].fields.push_back(std::move(field));
+    }
+    return {};
+}
+
+/// Planes of no variance to speak of are constant: scale 0.
+std::vector<Marginal> fit_marginals(const std::vector<Image>& images, std::size_t d,
+                                    const AnalysisOptions& options) {
+    std::vector<MarginalDistribution> distributions;
+    double total_variance = 0;
+    for (std::size_t plane = 0; plane < d; ++plane) {
+        distributions.emplace_back(planes_of(images, plane));
+        const double deviation = distributions.back().standard_deviation();
+        total_variance += deviation * deviation;
+    }
+    std::vector<Marginal> marginals;
+    for (const MarginalDistribution& distribution : distributions) {
+        const double deviation = distribution.standard_deviation();
+        const bool constant = deviation <= kNegligibleDeviation ||
+                              deviation * deviation <= kNegligibleShare * total_variance;
+        marginals.push_back(constant        ? Marginal{0, {}}
+                            : options.paper ? distribution.without_curve()
+                                            : distribution.fit_curve());
+    }
+    return marginals;
+}
+
+/// The channels themselves.
+SpectralTransform untransformed(SpectralTransform spectral) {
+    const std::size_t d = spectral.mean.size();
+    for (std::size_t k = 0; k < d * d; ++k)
+        spectral.T[k] = k % (d + 1) == 0 ? 1.0F : 0.0F;
+    return spectral;
 }
 
 }  // namespace
@@ -168,44 +240,37 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     SubspaceFit fit;
     Subspace& subspace = fit.subspace;
     subspace.spectral = fit_spectral_transform(images, options.tone);
-    if (reference != nullptr) align(subspace.spectral, *reference);
+    if (is_joint_kind(options.field) && options.space == Space::rgb)
+        subspace.spectral = untransformed(std::move(subspace.spectral));
+    else if (reference != nullptr)
+        align(subspace.spectral, *reference);
     for (Image& image : images)
         image = decorrelate(crop_to_lattice(image, levels), subspace.spectral);
 
     // 2. The marginal of every plane.
     const std::size_t d = subspace.spectral.mean.size();
-    std::vector<MarginalDistribution> distributions;
-    double total_variance = 0;
-    for (std::size_t plane = 0; plane < d; ++plane) {
-        distributions.emplace_back(planes_of(images, plane));
-        const double deviation = distributions.back().standard_deviation();
-        total_variance += deviation * deviation;
-    }
+    subspace.marginals = fit_marginals(images, d, options);
 
-    // 3. The pyramid and the field of every level.
+    // 3. The pyramid and the fields of every level.
     subspace.levels.resize(levels);
+    if (is_joint_kind(options.field)) {
+        SATEEN_CHECK(fit_joint_levels(images, options, fit, executor));
+        return fit;
+    }
     for (std::size_t plane = 0; plane < d; ++plane) {
-        const MarginalDistribution& distribution = distributions[plane];
-        const double deviation = distribution.standard_deviation();
-        std::vector<Car2d> fields(levels);
-        Marginal marginal;
-        marginal.scale = 0;
-        if (deviation > kNegligibleDeviation &&
-            deviation * deviation > kNegligibleShare * total_variance) {
-            if (options.paper) {
-                marginal = distribution.without_curve();
-                SATEEN_TRY(fields, fit_plane_as_printed(images.front().plane(plane),
-                                                        deviation, levels, plane, options,
-                                                        fit.notes, executor));
-            } else {
-                marginal = distribution.fit_curve();
-                SATEEN_TRY(fields, fit_plane(planes_of(images, plane), distribution,
-                                             levels, options, executor));
-            }
+        std::vector<FieldModel> fields(levels);
+        const double scale = static_cast<double>(subspace.marginals[plane].scale);
+        if (scale > 0 && options.paper) {
+            SATEEN_TRY(fields,
+                       fit_plane_as_printed(images.front().plane(plane), scale, levels,
+                                            plane, options, fit.notes, executor));
+        } else if (scale > 0) {
+            SATEEN_TRY(fields,
+                       fit_plane(planes_of(images, plane), subspace.marginals[plane],
+                                 levels, options, fit.choice, executor));
         }
-        subspace.marginals.push_back(std::move(marginal));
         for (std::size_t level = 0; level < levels; ++level)
-            subspace.levels[level].fields.emplace_back(std::move(fields[level]));
+            subspace.levels[level].fields.push_back(std::move(fields[level]));
     }
     return fit;
 }

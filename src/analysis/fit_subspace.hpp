@@ -17,6 +17,7 @@ namespace sateen {
 struct SubspaceFit {
     Subspace subspace;
     std::vector<std::string> notes;
+    FieldChoice choice;
 };
 
 /// \param images     linear, of one number of bands: a representative image, or photographs

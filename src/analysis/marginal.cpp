@@ -16,14 +16,19 @@ namespace {
 
 // Values are ranked by their leading 18 bits: sign, exponent and 9 bits of mantissa, so
 // two values in one bin differ by at most 0.2 %, well below the steps of 8-bit
-// photographs, for any range and with no tuning. Ranks are then a count of 2^18 bins
-// rather than a sort.
+// photographs, for any range about 0 and with no tuning. Ranks are then a count of 2^18
+// bins rather than a sort.
 constexpr unsigned kKeyBits = 18;
 constexpr std::uint32_t kNoBin = 0xFFFFFFFFU;
 
-/// An integer that orders like the float, cut to its leading bits.
+/// In the fit of a curve no quantile stands for more than this share of the plane: where
+/// values tie, the curve has to be flat over all the ranks that they take up.
+constexpr double kQuantileShare = 1.0 / 1024;
+
+/// An integer that orders like the float, cut to its leading bits. Adding 0 makes one
+/// value of the two zeros.
 std::uint32_t key_of(float value) {
-    const auto bits = std::bit_cast<std::uint32_t>(value);
+    const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);
     const std::uint32_t ordered = (bits >> 31U) != 0 ? ~bits : bits | 0x80000000U;
     return ordered >> (32U - kKeyBits);
 }
@@ -105,14 +110,13 @@ MarginalDistribution::MarginalDistribution(
     std::span<const PlaneView<const float>> planes) {
     bin_of_key_.assign(std::size_t{1} << kKeyBits, 0);
     std::vector<double> sums(bin_of_key_.size(), 0.0);
-    double total = 0;
     for (const auto& plane : planes)
         for (std::size_t r = 0; r < plane.rows; ++r)
             for (std::size_t c = 0; c < plane.cols; ++c) {
                 const std::uint32_t key = key_of(plane(r, c));
                 ++bin_of_key_[key];
                 sums[key] += static_cast<double>(plane(r, c));
-                total += 1;
+                count_ += 1;
             }
 
     double below = 0;
@@ -124,17 +128,17 @@ MarginalDistribution::MarginalDistribution(
             continue;
         }
         bin_of_key_[key] = static_cast<std::uint32_t>(bins_.size());
-        const double mid_rank = (below + count / 2) / total;
+        const double mid_rank = (below + count / 2) / count_;
         bins_.push_back(
             {sums[key] / count, count, static_cast<float>(normal_quantile(mid_rank))});
         below += count;
         sum += sums[key];
     }
-    mean_ = sum / total;
+    mean_ = sum / count_;
     double squares = 0;
     for (const Bin& bin : bins_)
         squares += bin.count * (bin.value - mean_) * (bin.value - mean_);
-    deviation_ = std::sqrt(squares / total);
+    deviation_ = std::sqrt(squares / count_);
 }
 
 void MarginalDistribution::gaussianise(PlaneView<const float> in,
@@ -149,32 +153,43 @@ Marginal MarginalDistribution::fit_curve() const {
     // A weak pull towards the Gaussian straight line decides knots that no value reaches;
     // it acts on the second difference and so leaves mean and slope alone.
     constexpr double kSmoothness = 1e-6;
-    double total = 0;
     Eigen::MatrixXd normal_matrix = Eigen::MatrixXd::Zero(kKnots, kKnots);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(kKnots);
-    for (const Bin& bin : bins_) {
-        const HatPosition at = hat_position(static_cast<double>(bin.normal));
+    const auto add = [&](double g, double weight, double value) {
+        const HatPosition at = hat_position(g);
         const auto j = static_cast<Eigen::Index>(at.knot);
         const double h0 = 1 - at.fraction;
         const double h1 = at.fraction;
-        normal_matrix(j, j) += bin.count * h0 * h0;
-        normal_matrix(j, j + 1) += bin.count * h0 * h1;
-        normal_matrix(j + 1, j) += bin.count * h0 * h1;
-        normal_matrix(j + 1, j + 1) += bin.count * h1 * h1;
-        right(j) += bin.count * h0 * (bin.value - mean_);
-        right(j + 1) += bin.count * h1 * (bin.value - mean_);
-        total += bin.count;
+        normal_matrix(j, j) += weight * h0 * h0;
+        normal_matrix(j, j + 1) += weight * h0 * h1;
+        normal_matrix(j + 1, j) += weight * h0 * h1;
+        normal_matrix(j + 1, j + 1) += weight * h1 * h1;
+        right(j) += weight * h0 * value;
+        right(j + 1) += weight * h1 * value;
+    };
+    double below = 0;
+    for (const Bin& bin : bins_) {
+        const auto pieces =
+            static_cast<std::size_t>(std::ceil(bin.count / (kQuantileShare * count_)));
+        const double piece = bin.count / static_cast<double>(pieces);
+        for (std::size_t i = 0; i < pieces; ++i) {
+            const double rank = (below + (static_cast<double>(i) + 0.5) * piece) / count_;
+            const double g =
+                pieces == 1 ? static_cast<double>(bin.normal) : normal_quantile(rank);
+            add(g, piece, bin.value - mean_);
+        }
+        below += bin.count;
     }
     for (Eigen::Index j = 1; j + 1 < kKnots; ++j) {
         Eigen::VectorXd second = Eigen::VectorXd::Zero(kKnots);
         second(j - 1) = 1;
         second(j) = -2;
         second(j + 1) = 1;
-        normal_matrix += kSmoothness * total * second * second.transpose();
+        normal_matrix += kSmoothness * count_ * second * second.transpose();
     }
     Eigen::VectorXd weights = normal_matrix.rowwise().sum();
     for (Eigen::Index j = 0; j < kKnots; ++j)
-        weights(j) = std::max(weights(j), 1e-9 * total);
+        weights(j) = std::max(weights(j), 1e-9 * count_);
     Eigen::VectorXd knots = normal_matrix.ldlt().solve(right);
     make_monotone(knots, weights);
 

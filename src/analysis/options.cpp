@@ -20,10 +20,25 @@ constexpr std::array kRules = {
     RuleName{NeighbourhoodRule::order, "order", 1, kMaxOrder},
     RuleName{NeighbourhoodRule::correlation, "correlation", 1, 60},
     RuleName{NeighbourhoodRule::evidence, "evidence", 1, kMaxOrder},
+    RuleName{NeighbourhoodRule::forward, "forward", 1, 60},
     RuleName{NeighbourhoodRule::nearest, "nearest", 1, 3},
 };
 
 }  // namespace
+
+Result<FieldKind> parse_field_kind(std::string_view text) {
+    constexpr std::array<std::pair<std::string_view, FieldKind>, 5> kKinds = {
+        {{"auto", FieldKind::automatic},
+         {"car2d", FieldKind::car2d},
+         {"gmrf2d", FieldKind::gmrf2d},
+         {"car3d", FieldKind::car3d},
+         {"sar3d", FieldKind::sar3d}}};
+    for (const auto& [name, kind] : kKinds)
+        if (name == text) return kind;
+    return Error{Errc::invalid_argument, "field \"" + std::string(text) +
+                                             "\" is not one of auto, car2d, gmrf2d, "
+                                             "car3d, sar3d"};
+}
 
 Result<NeighbourhoodOptions> parse_neighbourhood(std::string_view text) {
     if (text == "auto") return NeighbourhoodOptions{};

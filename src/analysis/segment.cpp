@@ -32,6 +32,18 @@ struct Summary {
     OrientedContrast contrast = {};
 };
 
+Summary summarise(ImageView<const float> image, bool oriented) {
+    Summary summary;
+    if (!oriented) {
+        summary.colour = colour_histogram(image);
+    } else {
+        Image lightness(1, image.rows, image.cols);
+        summary.colour = colour_histogram(image, lightness.plane(0));
+        summary.contrast = oriented_contrast(lightness.view().plane(0));
+    }
+    return summary;
+}
+
 Result<void> check(const SegmentationOptions& options, std::size_t images) {
     const auto out_of_range = [](const std::string& name, const std::string& expected) {
         return Error{Errc::invalid_argument, name + ": expected " + expected};
@@ -67,10 +79,15 @@ Features make_features(std::span<const Summary> summaries,
         double* f = features.row(static_cast<Eigen::Index>(row)).data();
         cumulative_feature(histograms[row], grid,
                            std::span<double, kColourFeatures>(f, kColourFeatures));
-        // Roots, so that the squared distance is in Lab units like the Cramér distance.
+        // Roots, so that squared distances are in Lab units as the Cramér distance is; less
+        // their mean, since the histogram of L has seen the contrast as a whole.
+        double mean = 0;
         for (std::size_t k = 0; k < oriented; ++k)
-            f[kColourFeatures + k] =
-                orientation_weight * std::sqrt(summaries[readable[row]].contrast[k]);
+            mean += std::sqrt(summaries[readable[row]].contrast[k]) / 4.0;
+        for (std::size_t k = 0; k < oriented; ++k) {
+            const double root = std::sqrt(summaries[readable[row]].contrast[k]);
+            f[kColourFeatures + k] = orientation_weight * (root - mean);
+        }
     }
     return features;
 }
@@ -106,8 +123,9 @@ Reduced reduce(const Features& features) {
 
 // The clusters that were asked for; or the smallest number of them, up to kMaxSubspaces,
 // that explains `share` of the variance, found by bisection, since the least inertia
-// falls with their number. The search makes do with two starts: the full number of them,
-// which begins with the same two, can only explain more.
+// falls with their number. The search makes do with two starts (one finds a cluster too
+// many on real materials): all of them, the same two included, can only explain more, so
+// the share is always met, if possibly with more clusters than the best starts would need.
 Clustering cluster(const Features& features, const SegmentationOptions& options,
                    Executor& executor) {
     const Reduced reduced = reduce(features);
@@ -223,10 +241,8 @@ Result<Segmentation> segment(const Measurement& measurement,
     SATEEN_TRY(result.pass,
                for_each_image(measurement, options.skip_bad, executor, progress,
                               [&](std::size_t i, const Image& image) {
-                                  summaries[i].colour = colour_histogram(image.view());
-                                  if (options.orientation_weight > 0)
-                                      summaries[i].contrast =
-                                          oriented_contrast(image.view());
+                                  summaries[i] = summarise(
+                                      image.view(), options.orientation_weight > 0);
                               }));
     std::vector<std::size_t> readable;
     std::vector<double> lightness;

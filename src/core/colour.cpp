@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear sRGB to CIE Lab in vectors of any width, with the same bits for all of them, and
-// colour differences. Scalar reference: the inline functions of colour.hpp.
+// Linear sRGB to CIE Lab in vectors of any width, and colour differences.
+// Scalar reference: the inline functions of colour.hpp.
 #include "sateen/core/colour.hpp"
 
 #include <algorithm>
@@ -40,7 +40,6 @@ HWY_INLINE Float set_float(double value) {
 // z = kBits - bits / 3, read as a float, is t^(-1/3) within 3.5 %. With u = t z³ near 1,
 //     t^(1/3) = t z² u^(-2/3)
 // and u^(-2/3) is minimax in u - 1 on the range that u has (relative error 1.5e-8).
-// No fused multiply-add, so that the bits do not depend on the target.
 HWY_INLINE Float cube_root(Float t) {
     constexpr std::int32_t kBits = 0x54A25000;
     constexpr std::array<double, 6> kP = {1.0000000143004752,  -0.6666664417574282,

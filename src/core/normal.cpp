@@ -23,10 +23,18 @@ namespace sateen {
 namespace {
 
 // The round keys are set up once a row: loading one costs less than counting it up.
+//
+// Counters (x, row, band, 0) of a row differ in x alone. It has reached two of the words
+// after the first round, and three after the second,
+//
+//     (·, ·, hi(M0 x) ⊕ k1, lo(M0 x))  and  (hi(p) ⊕ c0, lo(p), lo(M0 x) ⊕ c2, c3),
+//
+// p = M1 (hi(M0 x) ⊕ k1), with constants c of the row.
 struct NoiseRow {
     std::array<std::array<std::uint32_t, 2>, Philox4x32::kRounds> round_key;
     std::uint32_t row;
     std::uint32_t band;
+    std::uint32_t c0, c2, c3;
 };
 
 }  // namespace
@@ -80,11 +88,16 @@ struct Words {
 
 // The words of the counters (first + i, row, band, 0) in lanes i.
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE Words philox_words(const NoiseRow& noise, std::uint32_t first) {
+HWY_INLINE Words start_philox(const NoiseRow& noise, std::uint32_t first) {
     const auto words =
         philox4x32_10({first, noise.row, noise.band, 0}, noise.round_key[0]);
     return {set_word(words[0]), set_word(words[1]), set_word(words[2]),
             set_word(words[3])};
+}
+template <int kFirst, int kLast>
+HWY_INLINE void philox_rounds(const NoiseRow& /*noise*/, Words& /*words*/) {}
+HWY_INLINE Words finish_philox(const Words& words) {
+    return words;
 }
 #else
 using D64 = hn::Repartition<std::uint64_t, D32>;
@@ -102,26 +115,48 @@ HWY_INLINE void philox_round(Words& c, Word key0, Word key1) {
          p0};
 }
 
+// The counters (x, row, band, 0) after two rounds.
+HWY_INLINE Words second_round(const NoiseRow& noise, Word x) {
+    const D32 d32;
+    const Word p0 =
+        hn::BitCast(d32, hn::MulEven(x, set_word(Philox4x32::kMultiplier[0])));
+    const Word w2 = hn::Xor(hn::DupOdd(p0), set_word(noise.round_key[0][1]));
+    const Word p1 =
+        hn::BitCast(d32, hn::MulEven(w2, set_word(Philox4x32::kMultiplier[1])));
+    return {hn::Xor(hn::DupOdd(p1), set_word(noise.c0)), p1,
+            hn::Xor(p0, set_word(noise.c2)), set_word(noise.c3)};
+}
+
 // The low halves of `even` and `odd` in alternation.
 HWY_INLINE Word interleave(Word even, Word odd) {
     const auto shifted = hn::ShiftLeft<32>(hn::BitCast(D64(), odd));
     return hn::OddEven(hn::BitCast(D32(), shifted), even);
 }
 
-HWY_INLINE Words philox_words(const NoiseRow& noise, std::uint32_t first) {
-    // Lane 2 i of `a` counts first + 2 i, that of `b` first + 2 i + 1.
-    Words a = {hn::Iota(D32(), first), set_word(noise.row), set_word(noise.band),
-               hn::Zero(D32())};
-    Words b = a;
-    b.w0 = hn::Add(b.w0, set_word(1));
-    for (const auto& key : noise.round_key) {
-        const Word key0 = set_word(key[0]);
-        const Word key1 = set_word(key[1]);
-        philox_round(a, key0, key1);
-        philox_round(b, key0, key1);
+// Counters of even lanes, and of odd ones.
+struct Counters {
+    Words even, odd;
+};
+
+// Two rounds on the counters first + i, where lane 2 i holds one of them.
+HWY_INLINE Counters start_philox(const NoiseRow& noise, std::uint32_t first) {
+    const Word x = hn::Iota(D32(), first);
+    return {second_round(noise, x), second_round(noise, hn::Add(x, set_word(1)))};
+}
+
+template <int kFirst, int kLast>
+HWY_INLINE void philox_rounds(const NoiseRow& noise, Counters& c) {
+    for (std::size_t round = kFirst; round < kLast; ++round) {
+        const Word key0 = set_word(noise.round_key[round][0]);
+        const Word key1 = set_word(noise.round_key[round][1]);
+        philox_round(c.even, key0, key1);
+        philox_round(c.odd, key0, key1);
     }
-    return {interleave(a.w0, b.w0), interleave(a.w1, b.w1), interleave(a.w2, b.w2),
-            interleave(a.w3, b.w3)};
+}
+
+HWY_INLINE Words finish_philox(const Counters& c) {
+    return {interleave(c.even.w0, c.odd.w0), interleave(c.even.w1, c.odd.w1),
+            interleave(c.even.w2, c.odd.w2), interleave(c.even.w3, c.odd.w3)};
 }
 #endif
 
@@ -195,14 +230,8 @@ HWY_INLINE Pair box_muller(Word w_radius, Word w_angle) {
             hn::BitCast(df, hn::Xor(hn::BitCast(d32, second), sign_second))};
 }
 
-// The 4 N normals of N groups of words, group by group.
-HWY_INLINE void store_normals(const Words& words, float* HWY_RESTRICT out) {
-    const Pair n01 = box_muller(words.w0, words.w1);
-    const Pair n23 = box_muller(words.w2, words.w3);
-    hn::StoreInterleaved4(n01.first, n01.second, n23.first, n23.second, DF(), out);
-}
-
 void draw_row(const NoiseRow& noise, std::int32_t col, std::span<float> out) {
+    constexpr int kRounds = Philox4x32::kRounds;
     constexpr std::size_t kMaxStep = 4 * HWY_MAX_BYTES / sizeof(float);
     const std::size_t lanes = hn::Lanes(D32());
     const std::size_t step = 4 * lanes;
@@ -212,18 +241,26 @@ void draw_row(const NoiseRow& noise, std::int32_t col, std::span<float> out) {
     auto group = static_cast<std::uint32_t>(col >> 2);
     auto skipped = static_cast<std::size_t>(col & 3);
     // The words of a step are made during the step before it: the two chains of dependent
-    // operations, each about a hundred cycles long, then overlap.
-    Words words = philox_words(noise, group);
+    // operations, each about a hundred cycles long, then overlap. They are written in
+    // turns, since a processor does not look ahead over a whole step.
+    auto counters = start_philox(noise, group);
+    philox_rounds<2, kRounds>(noise, counters);
     for (std::size_t done = 0; done < out.size();) {
         const std::size_t count = std::min(step - skipped, out.size() - done);
         float* const target = out.data() + done;
-        const Words next = philox_words(noise, group + static_cast<std::uint32_t>(lanes));
-        store_normals(words, count == step ? target : whole.data());
-        words = next;
+        const Words words = finish_philox(counters);
+        group += static_cast<std::uint32_t>(lanes);
+        done += count;
+        counters = start_philox(noise, group);
+        philox_rounds<2, 4>(noise, counters);
+        const Pair n01 = box_muller(words.w0, words.w1);
+        philox_rounds<4, 7>(noise, counters);
+        const Pair n23 = box_muller(words.w2, words.w3);
+        philox_rounds<7, kRounds>(noise, counters);
+        hn::StoreInterleaved4(n01.first, n01.second, n23.first, n23.second, DF(),
+                              count == step ? target : whole.data());
         if (count != step) std::copy_n(whole.data() + skipped, count, target);
         skipped = 0;
-        done += count;
-        group += static_cast<std::uint32_t>(lanes);
     }
 }
 
@@ -238,7 +275,9 @@ HWY_EXPORT(draw_row);
 
 void draw_normals(NoiseField field, std::int32_t row, std::int32_t col,
                   std::span<float> out) {
-    NoiseRow noise{{}, static_cast<std::uint32_t>(row), field.band};
+    NoiseRow noise{};
+    noise.row = static_cast<std::uint32_t>(row);
+    noise.band = field.band;
     std::array<std::uint32_t, 2> key = {static_cast<std::uint32_t>(field.seed),
                                         static_cast<std::uint32_t>(field.seed >> 32)};
     for (auto& round_key : noise.round_key) {
@@ -246,6 +285,15 @@ void draw_normals(NoiseField field, std::int32_t row, std::int32_t col,
         key[0] += Philox4x32::kKeyStep[0];
         key[1] += Philox4x32::kKeyStep[1];
     }
+    const auto high = [](std::uint64_t product) {
+        return static_cast<std::uint32_t>(product >> 32);
+    };
+    const std::uint64_t p1 = std::uint64_t{Philox4x32::kMultiplier[1]} * noise.band;
+    const std::uint64_t p0 = std::uint64_t{Philox4x32::kMultiplier[0]} *
+                             (high(p1) ^ noise.row ^ noise.round_key[0][0]);
+    noise.c0 = static_cast<std::uint32_t>(p1) ^ noise.round_key[1][0];
+    noise.c2 = high(p0) ^ noise.round_key[1][1];
+    noise.c3 = static_cast<std::uint32_t>(p0);
     HWY_DYNAMIC_DISPATCH(draw_row)(noise, col, out);
 }
 

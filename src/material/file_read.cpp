@@ -146,6 +146,8 @@ class SubspaceReader {
             SATEEN_CHECK(in_element("subspace", i, read(i, out[i])));
         SATEEN_CHECK(
             expect_count("marginals.knots", count(marginals_.knots()), knots_read_));
+        SATEEN_CHECK(
+            expect_count("fields.models", count(fields_.models()), fields_read_));
         SATEEN_CHECK(expect_count("fields.coefficients", count(fields_.coefficients()),
                                   coefficients_read_));
         SATEEN_CHECK(expect_count("fields.variances", count(fields_.variances()),
@@ -172,13 +174,11 @@ class SubspaceReader {
             expect_count("marginals.counts", count(marginals_.counts()), planes));
         SATEEN_CHECK(
             expect_count("marginals.exponents", count(marginals_.exponents()), planes));
-        std::size_t fields = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::size_t levels = at(subspaces_.levels(), i);
-            SATEEN_CHECK(expect_at_most("subspaces.levels", levels, kMaxLevels));
-            fields += levels * bands_;
-        }
-        SATEEN_CHECK(expect_count("fields.models", count(fields_.models()), fields));
+        for (std::size_t i = 0; i < n; ++i)
+            SATEEN_CHECK(expect_at_most("subspaces.levels", at(subspaces_.levels(), i),
+                                        kMaxLevels));
+        const std::size_t fields = count(fields_.models());
+        SATEEN_CHECK(expect_at_most("fields.models", fields, kMaxFields));
         SATEEN_CHECK(expect_count("fields.neighbourhoods",
                                   count(fields_.neighbourhoods()), fields));
         return expect_count("fields.exponents", count(fields_.exponents()), fields);
@@ -215,36 +215,81 @@ class SubspaceReader {
         return {};
     }
 
+    // Fields follow one another until they have all planes.
     Result<void> read(Level& out) {
-        out.fields.reserve(bands_);
-        for (std::size_t plane = 0; plane < bands_; ++plane)
-            SATEEN_CHECK(in_element("plane", plane, read_field(out.fields)));
+        std::size_t planes = 0;
+        while (planes < bands_) {
+            FieldModel field;
+            SATEEN_CHECK(in_element("plane", planes, read_field(field)));
+            planes += planes_of(field);
+            out.fields.push_back(std::move(field));
+        }
         return {};
     }
 
-    Result<void> read_field(std::vector<FieldModel>& out) {
+    Result<void> read_field(FieldModel& out) {
+        if (fields_read_ == count(fields_.models()))
+            return bad_format("fields.models: ", text(fields_read_),
+                              " entries, expected more");
         const std::size_t i = fields_read_++;
-        const std::uint8_t model = at(fields_.models(), i);
-        if (model != static_cast<std::uint8_t>(ModelTag::car2d))
-            return Error{Errc::unsupported, "field model " + text(std::size_t{model}) +
-                                                ", known are 0 (car2d)"};
         const std::size_t number = at(fields_.neighbourhoods(), i);
         if (number >= neighbourhoods_.size())
             return bad_format("neighbourhood ", text(number), " of ",
                               text(neighbourhoods_.size()));
-        Car2d field;
-        field.neighbourhood = neighbourhoods_[number];
-        const std::size_t n = field.neighbourhood.size();
-        if (n > count(fields_.coefficients()) - coefficients_read_ ||
-            variances_read_ == count(fields_.variances()))
-            return bad_format("fields.coefficients or variances end too early");
-        field.a = block(fields_.coefficients(), coefficients_read_, n,
-                        at(fields_.exponents(), i));
-        field.variance = at(fields_.variances(), variances_read_);
-        coefficients_read_ += n;
-        variances_read_ += 1;
-        out.emplace_back(std::move(field));
+        const std::vector<Offset>& offsets = neighbourhoods_[number];
+        const int exponent = at(fields_.exponents(), i);
+        switch (const std::size_t model = at(fields_.models(), i)) {
+            case 0:
+                return read_plane<Car2d>(offsets, exponent, out);
+            case 1:
+                return read_plane<Gmrf2d>(offsets, exponent, out);
+            case 2:
+                return read_planes<Car3d>(offsets, exponent, out);
+            case 3:
+                return read_planes<Sar3d>(offsets, exponent, out);
+            default:
+                return Error{Errc::unsupported, "field model " + text(model) +
+                                                    ", known are " + kKnownModels};
+        }
+    }
+
+    template <class Model>
+    Result<void> read_plane(const std::vector<Offset>& offsets, int exponent,
+                            FieldModel& out) {
+        Model field{offsets, {}, 0};
+        SATEEN_TRY(field.a, take_coefficients(offsets.size(), exponent));
+        SATEEN_TRY(const std::vector<float> variances, take_variances(1));
+        field.variance = variances[0];
+        out = std::move(field);
         return {};
+    }
+
+    template <class Model>
+    Result<void> read_planes(const std::vector<Offset>& offsets, int exponent,
+                             FieldModel& out) {
+        const std::size_t d = bands_;
+        Model field{{d, offsets, {}, std::vector<float>(d * d)}};
+        SATEEN_TRY(field.A, take_coefficients(offsets.size() * d * d, exponent));
+        SATEEN_TRY(const std::vector<float> lower, take_variances(d * (d + 1) / 2));
+        for (std::size_t i = 0, k = 0; i < d; ++i)
+            for (std::size_t j = 0; j <= i; ++j, ++k)
+                field.Sigma[i * d + j] = field.Sigma[j * d + i] = lower[k];
+        out = std::move(field);
+        return {};
+    }
+
+    Result<std::vector<float>> take_coefficients(std::size_t n, int exponent) {
+        if (n > count(fields_.coefficients()) - coefficients_read_)
+            return bad_format("fields.coefficients end too early");
+        coefficients_read_ += n;
+        return block(fields_.coefficients(), coefficients_read_ - n, n, exponent);
+    }
+
+    Result<std::vector<float>> take_variances(std::size_t n) {
+        if (n > count(fields_.variances()) - variances_read_)
+            return bad_format("fields.variances end too early");
+        variances_read_ += n;
+        return floats(fields_.variances(), variances_read_ - n, n);
     }
 
     std::size_t bands_;

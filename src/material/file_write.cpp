@@ -73,8 +73,10 @@ class SubspaceWriter {
             subspaces_.transform.push_back(canonical(value));
         for (const Marginal& marginal : subspace.marginals) append(marginal);
         for (const Level& level : subspace.levels)
-            for (const FieldModel& field : level.fields)
+            for (const FieldModel& field : level.fields) {
+                fields_.models.push_back(static_cast<std::uint8_t>(field.index()));
                 std::visit([this](const auto& model) { append(model); }, field);
+            }
     }
 
   private:
@@ -84,11 +86,19 @@ class SubspaceWriter {
         append_block(marginal.knots, marginals_.knots, marginals_.exponents);
     }
 
-    void append(const Car2d& field) {
-        fields_.models.push_back(static_cast<std::uint8_t>(ModelTag::car2d));
+    template <class Model>
+    requires(!is_joint<Model>) void append(const Model& field) {
         fields_.neighbourhoods.push_back(number_of(field.neighbourhood));
         append_block(field.a, fields_.coefficients, fields_.exponents);
         fields_.variances.push_back(canonical(field.variance));
+    }
+
+    void append(const Autoregression3d& field) {
+        fields_.neighbourhoods.push_back(number_of(field.neighbourhood));
+        append_block(field.A, fields_.coefficients, fields_.exponents);
+        for (std::size_t i = 0; i < field.planes; ++i)
+            for (std::size_t j = 0; j <= i; ++j)
+                fields_.variances.push_back(canonical(field.Sigma[i * field.planes + j]));
     }
 
     std::uint16_t number_of(const std::vector<Offset>& offsets) {

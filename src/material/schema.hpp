@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "material_generated.h"
@@ -21,9 +23,12 @@ inline constexpr std::size_t kLengthBytes = sizeof(flatbuffers::uoffset_t);
 /// Length, offset of the root table, file identifier.
 inline constexpr std::size_t kEnvelopeBytes = 12;
 
-/// Values of Fields.models. A field of one plane has one coefficient an offset and one
-/// variance.
-enum class ModelTag : std::uint8_t { car2d = 0 };
+/// Values of Fields.models: the numbers of the alternatives of FieldModel. A field of one
+/// plane has one coefficient an offset and one variance; a field of d planes has d² an
+/// offset and the lower triangle of Σ.
+inline constexpr const char* kKnownModels = "0 (car2d), 1 (gmrf2d), 2 (car3d), 3 (sar3d)";
+static_assert(std::is_same_v<FieldModel, std::variant<Car2d, Gmrf2d, Car3d, Sar3d>>,
+              "the order of the models is part of the format");
 
 inline constexpr std::size_t kMaxFields = kMaxSubspaces * kMaxLevels * kMaxBands;
 

@@ -173,7 +173,9 @@ Result<void> check_marginal(const Marginal& marginal) {
     return {};
 }
 
-Result<void> check_neighbourhood(std::span<const Offset> offsets) {
+enum class Support { causal, any };
+
+Result<void> check_neighbourhood(std::span<const Offset> offsets, Support support) {
     if (offsets.size() > kMaxNeighbours)
         return bad_format("neighbourhood: ", text(offsets.size()),
                           " offsets, expected at most ", text(kMaxNeighbours));
@@ -185,26 +187,85 @@ Result<void> check_neighbourhood(std::span<const Offset> offsets) {
         };
         if (std::abs(s.row) > kMaxReach || std::abs(s.col) > kMaxReach)
             return fail("expected a reach of at most " + std::to_string(kMaxReach));
-        if (!is_causal(s)) return fail("expected one of the causal half plane");
+        if (support == Support::causal && !is_causal(s))
+            return fail("expected one of the causal half plane");
+        if (s == Offset{0, 0}) return fail("expected another site");
         if (std::ranges::count(offsets.first(i), s) != 0) return fail("repeated");
     }
     return {};
 }
 
-Result<void> check_field(const Car2d& field) {
-    SATEEN_CHECK(check_neighbourhood(field.neighbourhood));
-    if (field.a.size() != field.neighbourhood.size())
-        return bad_format(text(field.a.size()), " coefficients for ",
-                          text(field.neighbourhood.size()), " offsets");
-    SATEEN_CHECK(check_numbers("coefficient", field.a));
-    return check_range("variance", field.variance, 0, kMaxMagnitude * kMaxMagnitude);
+Result<void> check_coefficients(std::span<const float> a, std::size_t each,
+                                std::size_t offsets) {
+    if (a.size() != each * offsets)
+        return bad_format(text(a.size()), " coefficients for ", text(offsets),
+                          " offsets");
+    return check_numbers("coefficient", a);
+}
+
+Result<void> check_variance(float variance) {
+    return check_range("variance", variance, 0, kMaxMagnitude * kMaxMagnitude);
+}
+
+// Of a field of one plane.
+template <class Model>
+requires(!is_joint<Model>) Result<void> check_field(const Model& field,
+                                                    std::size_t /*bands*/) {
+    SATEEN_CHECK(check_neighbourhood(field.neighbourhood, Support::causal));
+    SATEEN_CHECK(check_coefficients(field.a, 1, field.neighbourhood.size()));
+    return check_variance(field.variance);
+}
+
+// Drawing takes any symmetric Σ and clamps negative eigenvalues; what is checked here is
+// what gross damage breaks.
+Result<void> check_covariance(std::span<const float> Sigma, std::size_t d) {
+    SATEEN_CHECK(expect_count("Sigma", Sigma.size(), d * d));
+    for (std::size_t i = 0; i < d; ++i) SATEEN_CHECK(check_variance(Sigma[i * d + i]));
+    for (std::size_t i = 0; i < d; ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const float covariance = Sigma[i * d + j];
+            const float bound = std::sqrt(Sigma[i * d + i]) * std::sqrt(Sigma[j * d + j]);
+            constexpr float kRounding = 1.001F;
+            SATEEN_CHECK(check_range("covariance", covariance, -kRounding * bound,
+                                     kRounding * bound));
+            if (Sigma[j * d + i] != covariance)
+                return bad_format("Sigma: ", text(covariance), " and ",
+                                  text(Sigma[j * d + i]), ", expected symmetry");
+        }
+    return {};
+}
+
+Result<void> check_joint(const Autoregression3d& field, Support support,
+                         std::size_t bands) {
+    if (field.planes != bands)
+        return bad_format("a field of ", text(field.planes), " planes, expected ",
+                          text(bands));
+    SATEEN_CHECK(check_neighbourhood(field.neighbourhood, support));
+    SATEEN_CHECK(check_coefficients(field.A, bands * bands, field.neighbourhood.size()));
+    return check_covariance(field.Sigma, bands);
+}
+
+Result<void> check_field(const Car3d& field, std::size_t bands) {
+    return check_joint(field, Support::causal, bands);
+}
+
+Result<void> check_field(const Sar3d& field, std::size_t bands) {
+    return check_joint(field, Support::any, bands);
 }
 
 Result<void> check_level(const Level& level, std::size_t bands) {
-    SATEEN_CHECK(expect_count("fields", level.fields.size(), bands));
-    for (std::size_t i = 0; i < bands; ++i) {
-        const auto check = [](const auto& field) { return check_field(field); };
+    const bool joint =
+        level.fields.size() == 1 &&
+        std::visit(
+            [](const auto& field) { return is_joint<std::decay_t<decltype(field)>>; },
+            level.fields[0]);
+    if (!joint) SATEEN_CHECK(expect_count("fields", level.fields.size(), bands));
+    for (std::size_t i = 0; i < level.fields.size(); ++i) {
+        const auto check = [&](const auto& field) { return check_field(field, bands); };
         SATEEN_CHECK(in_element("plane", i, std::visit(check, level.fields[i])));
+        if (!joint && planes_of(level.fields[i]) != 1)
+            return bad_format("plane ", text(i), ", a field of ", text(bands),
+                              " planes, expected it alone");
     }
     return {};
 }
@@ -230,6 +291,18 @@ Result<void> check_subspace(const Material& m, const Subspace& subspace) {
 }
 
 }  // namespace
+
+std::string valid_text(std::string_view text) {
+    std::string valid;
+    while (!text.empty()) {
+        const std::size_t length = character_length(text);
+        const std::string_view character = length > 0 ? text.substr(0, length) : "?";
+        if (valid.size() + character.size() > kMaxTextBytes) break;
+        valid += character;
+        text.remove_prefix(std::max<std::size_t>(length, 1));
+    }
+    return valid;
+}
 
 Result<void> validate(const Material& material) {
     SATEEN_CHECK(check_provenance(material.provenance));

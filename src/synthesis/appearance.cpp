@@ -1,88 +1,226 @@
 // SPDX-License-Identifier: Apache-2.0
-// From drawn planes to reflectance. See appearance.hpp.
+// From drawn planes to reflectance, in vectors of any width. See appearance.hpp.
 #include "synthesis/appearance.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <vector>
+#include <cstddef>
+#include <cstdint>
 
-#include "sateen/core/colour.hpp"
+// With static dispatch (WebAssembly) only the compiler's own target is built.
+#ifdef SATEEN_STATIC_DISPATCH
+#define HWY_COMPILE_ONLY_STATIC
+#endif
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "synthesis/appearance.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
+#ifndef SATEEN_SYNTHESIS_APPEARANCE_ONCE
+#define SATEEN_SYNTHESIS_APPEARANCE_ONCE
+namespace sateen {
+
+/// q(g) of one plane, in plane units: the value at each knot, and the rise to the next.
+struct Curve {
+    std::array<float, Marginal::kKnots> value{};
+    std::array<float, Marginal::kKnots> rise{};
+    float scale = 0;
+    bool straight = true;
+};
+
+struct SpectralInverse {
+    std::array<Curve, kMaxBands> curves;
+    std::array<std::array<float, kMaxBands>, kMaxBands> T{};
+    std::array<float, kMaxBands> mean{};
+    Tone tone = Tone::linear;
+};
+
+/// The same columns of every plane.
+using BandPointers = std::array<float*, kMaxBands>;
+
+}  // namespace sateen
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace sateen::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using DF = hn::ScalableTag<float>;
+using DI = hn::Repartition<std::int32_t, DF>;
+using Float = hn::Vec<DF>;
+
+HWY_INLINE Float set_float(float value) {
+    return hn::Set(DF(), value);
+}
+
+using Knots = std::array<float, Marginal::kKnots>;
+
+// knots[j]. Where registers hold all 16 of them, or half, a permutation is several times
+// faster than reading memory at every lane's own address.
+HWY_INLINE Float look_up(const Knots& knots, hn::Vec<DI> j) {
+    const DF df;
+#if HWY_CAP_GE512
+    return hn::TableLookupLanes(hn::LoadU(df, knots.data()), hn::IndicesFromVec(df, j));
+#elif HWY_CAP_GE256
+    const DI di;
+    const auto half = hn::IndicesFromVec(df, hn::And(j, hn::Set(di, 7)));
+    const Float low = hn::TableLookupLanes(hn::LoadU(df, knots.data()), half);
+    const Float high = hn::TableLookupLanes(hn::LoadU(df, knots.data() + 8), half);
+    return hn::IfThenElse(hn::RebindMask(df, hn::Gt(j, hn::Set(di, 7))), high, low);
+#else
+    return hn::GatherIndex(df, knots.data(), j);
+#endif
+}
+
+// Linear between the knots at -3 … 3, constant outside.
+HWY_INLINE Float apply(const Curve& curve, Float g) {
+    if (curve.straight) return hn::Mul(set_float(curve.scale), g);
+    constexpr float kSteps = Marginal::kKnots - 1;
+    const DF df;
+    const DI di;
+    const Float range = set_float(Marginal::kRange);
+    const Float inside = hn::Clamp(g, hn::Neg(range), range);
+    const Float x =
+        hn::Mul(hn::Add(inside, range), set_float(kSteps / (2 * Marginal::kRange)));
+    const auto last = hn::Set(di, static_cast<std::int32_t>(Marginal::kKnots - 2));
+    const auto j = hn::Clamp(hn::ConvertTo(di, x), hn::Zero(di), last);
+    const Float part = hn::Sub(x, hn::ConvertTo(df, j));
+    return hn::MulAdd(part, look_up(curve.rise, j), look_up(curve.value, j));
+}
+
+// t^2.4 of normal positive numbers, to 4 units in the last place.
+//
+// The bits of a float are nearly its logarithm, so that z = kBits - bits / 5, read as a
+// float, is t^(-1/5) within 3 %. With u = t z⁵ near 1,
+//     t^2.4 = t³ (z³ u^(-3/5)) = (t z)³ u^(-3/5)
+// and u^(-3/5) is minimax in u - 1 on the range that u has (relative error 1.4e-7).
+HWY_INLINE Float power_2_4(Float t) {
+    constexpr std::int32_t kBits = 0x4C2B4000;
+    constexpr std::array<float, 6> kP = {1.0000001415468072F,  -0.6000005808141897F,
+                                         0.4798936108358336F,  -0.4158132367342438F,
+                                         0.38619533141379553F, -0.35885437430277234F};
+    const DF df;
+    const DI di;
+    const Float bits = hn::ConvertTo(df, hn::BitCast(di, t));
+    const auto fifth = hn::ConvertTo(di, hn::Mul(bits, set_float(0.2F)));
+    const Float z = hn::BitCast(df, hn::Sub(hn::Set(di, kBits), fifth));
+    const Float tz = hn::Mul(t, z);
+    const Float z2 = hn::Mul(z, z);
+    const Float h = hn::MulSub(tz, hn::Mul(z2, z2), set_float(1));
+    Float power = set_float(kP.back());
+    for (std::size_t i = kP.size() - 1; i-- > 0;)
+        power = hn::MulAdd(power, h, set_float(kP[i]));
+    return hn::Mul(hn::Mul(tz, hn::Mul(tz, tz)), power);
+}
+
+// srgb_decode of codes that are not negative.
+HWY_INLINE Float decode(Float code) {
+    const Float line = hn::Mul(code, set_float(1 / 12.92F));
+    const Float t = hn::MulAdd(code, set_float(1 / 1.055F), set_float(0.055F / 1.055F));
+    return hn::IfThenElse(hn::Le(code, set_float(0.04045F)), line, power_2_4(t));
+}
+
+// One vector of every plane, in place.
+template <std::size_t kBands>
+HWY_INLINE void invert_step(const SpectralInverse& inverse, const BandPointers& at) {
+    const DF df;
+    const auto q = [&](std::size_t i) HWY_ATTR {
+        return apply(inverse.curves[i], hn::LoadU(df, at[i]));
+    };
+    const Float q0 = q(0);
+    const Float q1 = kBands > 1 ? q(1) : hn::Zero(df);
+    const Float q2 = kBands > 2 ? q(2) : hn::Zero(df);
+    for (std::size_t band = 0; band < kBands; ++band) {
+        const auto T = [&](std::size_t i)
+                           HWY_ATTR { return set_float(inverse.T[i][band]); };
+        Float v = hn::MulAdd(T(0), q0, set_float(inverse.mean[band]));
+        if (kBands > 1) v = hn::MulAdd(T(1), q1, v);
+        if (kBands > 2) v = hn::MulAdd(T(2), q2, v);
+        v = hn::Max(v, hn::Zero(df));
+        hn::StoreU(inverse.tone == Tone::srgb ? decode(v) : v, df, at[band]);
+    }
+}
+
+template <std::size_t kBands>
+void invert_bands(const SpectralInverse& inverse, const BandPointers& row,
+                  std::size_t count) {
+    const std::size_t lanes = hn::Lanes(DF());
+    BandPointers at = row;
+    std::size_t c = 0;
+    for (; c + lanes <= count; c += lanes) {
+        invert_step<kBands>(inverse, at);
+        for (std::size_t band = 0; band < kBands; ++band) at[band] += lanes;
+    }
+    if (c == count) return;
+    // The last pixels in a vector of their own, filled up with zeros.
+    using Piece = std::array<float, HWY_MAX_BYTES / sizeof(float)>;
+    std::array<Piece, kBands> pieces{};
+    BandPointers piece{};
+    for (std::size_t band = 0; band < kBands; ++band) {
+        piece[band] = pieces[band].data();
+        std::copy_n(at[band], count - c, piece[band]);
+    }
+    invert_step<kBands>(inverse, piece);
+    for (std::size_t band = 0; band < kBands; ++band)
+        std::copy_n(piece[band], count - c, at[band]);
+}
+
+void invert_row(const SpectralInverse& inverse, std::size_t bands,
+                const BandPointers& row, std::size_t count) {
+    if (bands == 1)
+        invert_bands<1>(inverse, row, count);
+    else
+        invert_bands<kMaxBands>(inverse, row, count);
+}
+
+}  // namespace
+}  // namespace sateen::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace sateen {
 namespace {
 
-/// q(g) of one plane, in plane units: value and slope at each knot.
-class Curve {
-  public:
-    explicit Curve(const Marginal& marginal) : scale_(marginal.scale) {
-        if (marginal.knots.empty()) return;
-        straight_ = false;
-        for (std::size_t j = 0; j < Marginal::kKnots; ++j)
-            value_[j] = marginal.knots[j] * scale_;
-    }
-    [[nodiscard]] float operator()(float g) const {
-        if (straight_) return scale_ * g;
-        constexpr float kSteps = Marginal::kKnots - 1;
-        const float x =
-            (std::clamp(g, -Marginal::kRange, Marginal::kRange) + Marginal::kRange) *
-            (kSteps / (2 * Marginal::kRange));
-        const auto j = std::min(static_cast<std::size_t>(x), Marginal::kKnots - 2);
-        return value_[j] + (x - static_cast<float>(j)) * (value_[j + 1] - value_[j]);
-    }
+HWY_EXPORT(invert_row);
 
-  private:
-    std::array<float, Marginal::kKnots> value_{};
-    float scale_;
-    bool straight_ = true;
-};
+Curve curve_of(const Marginal& marginal) {
+    Curve curve;
+    curve.scale = marginal.scale;
+    curve.straight = marginal.knots.empty();
+    if (curve.straight) return curve;
+    for (std::size_t j = 0; j < Marginal::kKnots; ++j)
+        curve.value[j] = marginal.knots[j] * marginal.scale;
+    for (std::size_t j = 0; j + 1 < Marginal::kKnots; ++j)
+        curve.rise[j] = curve.value[j + 1] - curve.value[j];
+    return curve;
+}
 
-/// srgb_decode by linear interpolation in a table over [0, 1], exact beyond.
-class DecodeTable {
-  public:
-    DecodeTable() : values_(kSteps + 2) {
-        for (std::size_t i = 0; i < values_.size(); ++i)
-            values_[i] = static_cast<float>(
-                srgb_decode(static_cast<double>(i) / static_cast<double>(kSteps)));
+SpectralInverse inverse_of(const Subspace& subspace, std::size_t bands) {
+    SpectralInverse inverse;
+    inverse.tone = subspace.spectral.tone;
+    for (std::size_t i = 0; i < bands; ++i) {
+        inverse.curves[i] = curve_of(subspace.marginals[i]);
+        inverse.mean[i] = subspace.spectral.mean[i];
+        for (std::size_t band = 0; band < bands; ++band)
+            inverse.T[i][band] = subspace.spectral.T[i * bands + band];
     }
-    [[nodiscard]] float operator()(float code) const {
-        if (!(code < 1)) return srgb_decode(code);
-        const float x = std::max(code, 0.0F) * static_cast<float>(kSteps);
-        const auto i = static_cast<std::size_t>(x);
-        return values_[i] + (x - static_cast<float>(i)) * (values_[i + 1] - values_[i]);
-    }
-
-  private:
-    static constexpr std::size_t kSteps = 4096;
-    std::vector<float> values_;
-};
+    return inverse;
+}
 
 }  // namespace
 
 void invert_spectral(const Subspace& subspace, ImageView<float> planes,
                      Executor& executor) {
-    const std::size_t d = planes.bands;
-    const SpectralTransform& transform = subspace.spectral;
-    std::vector<Curve> curves;
-    for (const Marginal& marginal : subspace.marginals) curves.emplace_back(marginal);
-    const DecodeTable decode;
-
+    const SpectralInverse inverse = inverse_of(subspace, planes.bands);
     parallel_for(executor, planes.rows, [&](std::size_t r) {
-        std::array<float*, kMaxBands> row{};
-        for (std::size_t band = 0; band < d; ++band)
+        BandPointers row{};
+        for (std::size_t band = 0; band < planes.bands; ++band)
             row[band] = planes.plane(band).row(r);
-        for (std::size_t c = 0; c < planes.cols; ++c) {
-            std::array<float, kMaxBands> q{};
-            for (std::size_t i = 0; i < d; ++i) q[i] = curves[i](row[i][c]);
-            for (std::size_t band = 0; band < d; ++band) {
-                float value = transform.mean[band];
-                for (std::size_t i = 0; i < d; ++i)
-                    value += transform.T[i * d + band] * q[i];
-                row[band][c] =
-                    transform.tone == Tone::srgb ? decode(value) : std::max(value, 0.0F);
-            }
-        }
+        HWY_DYNAMIC_DISPATCH(invert_row)(inverse, planes.bands, row, planes.cols);
     });
 }
 
 }  // namespace sateen
+#endif

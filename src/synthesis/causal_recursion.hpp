@@ -4,7 +4,10 @@
 // tests/reference/causal_recursion.hpp.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "sateen/core/image.hpp"
 #include "sateen/core/result.hpp"
@@ -22,32 +25,64 @@ struct CausalTap {
 /// The furthest a tap may reach, |s_1| and |s_2|.
 inline constexpr int kCausalReach = 8;
 
-/// Turns noise into a causal autoregressive field, in place:
+/// Turns noise into a causal autoregressive field, row after row:
 ///
-///     Y_r = Σ_{s ∈ I^c} a_s Y_{r-s} + σ e_r                                 [CAR2, eq.
-///     1]
+///     Y_r = Σ_{s ∈ I^c} a_s Y_{r-s} + σ e_r                             [CAR2, eq. 1]
 ///
-/// Y is zero left and right of the columns, and above `above`. Each sum starts with σ e_r
-/// and goes on over the neighbours in raster order, in float: the same bits on every
-/// target.
-///
-/// \param taps   any number, in any order, no site twice; without any, Y_r = σ e_r
-/// \param sigma  σ
-/// \param above  the rows above the field, of as many columns: the last rows of the strip
-///               before, for a field drawn strip by strip. The lowest max s_1 of them are
-///               used; rows that are not there are zero. Must not overlap `field`.
-/// \param field  in: e_r, out: Y_r
-/// \error invalid_argument  a tap that is not causal or reaches too far, or `above` of
-/// another
-///                          number of columns.
-/// \cost O(taps) a site, 16 rows at a time with AVX-512, 8 with AVX2: strips should be of
-/// as
-///       many rows, or more. Works in about 30 KB for taps up to three rows away.
-[[nodiscard]] Result<void> causal_recursion(std::span<const CausalTap> taps, float sigma,
-                                            PlaneView<const float> above,
-                                            PlaneView<float> field);
+/// Y is zero above the first row and left and right of the columns. Sums are in float, in
+/// an order that depends on the neighbourhood alone: the same bits on every target.
+class CausalRecursion {
+  public:
+    CausalRecursion(CausalRecursion&&) = default;
+    CausalRecursion& operator=(CausalRecursion&&) = default;
 
-/// The same with zeros above.
+    /// \param taps   any number, in any order, no site twice; without any, Y_r = σ e_r
+    /// \param sigma  σ
+    /// \param cols   of every row
+    /// \error invalid_argument  a tap that is not causal or reaches too far
+    [[nodiscard]] static Result<CausalRecursion> create(std::span<const CausalTap> taps,
+                                                        float sigma, std::size_t cols);
+
+    /// e of the next row, for the caller to fill in.
+    [[nodiscard]] std::span<float> noise() { return {noise_, cols_}; }
+
+    /// Draws the next row.
+    /// \returns Y; holds until the next call
+    /// \cost    a multiplication and an addition a site for each tap of the rows above,
+    ///          eight for each of the row itself. The rows worked in, max s_1 + 4 of
+    ///          them, should fit into the first-level cache.
+    [[nodiscard]] std::span<const float> next_row();
+
+    /// A sum along a row: to(x) = scale from(x) + Σ_i a_i from_i(x).
+    struct Sum {
+        struct Term {
+            const float* from;
+            float a;
+        };
+        float scale = 1;
+        const float* from = nullptr;
+        float* to = nullptr;
+        std::vector<Term> terms;
+    };
+
+  private:
+    CausalRecursion() = default;
+    void allocate(std::size_t rows, std::size_t reach);
+    void add_row_sums(std::span<const CausalTap> taps);
+
+    std::size_t cols_ = 0;
+    std::size_t width_ = 0;  // columns worked on
+    std::vector<float> memory_;
+    float* noise_ = nullptr;
+    std::array<float*, 2> work_ = {};
+    std::vector<float*> rows_;  // the present one and those above, upwards
+    std::vector<Sum> sums_;
+    std::vector<CausalTap> above_;  // the terms of the first sum
+    // How far back the last terms of the last sum look, in the row it draws.
+    std::vector<std::ptrdiff_t> feedback_;
+};
+
+/// The same for a plane of noise, in place.
 [[nodiscard]] Result<void> causal_recursion(std::span<const CausalTap> taps, float sigma,
                                             PlaneView<float> field);
 

@@ -3,8 +3,10 @@
 #include "synthesis/infinite_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "sateen/core/pyramid.hpp"
 #include "synthesis/noise_bands.hpp"
@@ -42,18 +44,28 @@ Result<InfiniteField> InfiniteField::create(const PlaneField& field, Period peri
         field.levels.size() > kFineLevels && divisible(period, kFineLevels);
     const std::size_t rows = split ? kBlockRows : kWholeBlockRows;
     const std::size_t cols = split ? kBlockCols : kWholeBlockCols;
-    Image whole = spectral_density(field, kBlockRows, kBlockCols, executor);
-    suppress_unmeasured(field, whole.plane(0), kBlockCols);
-    const double variance = mean_density(whole.plane(0), kBlockCols);
-    const float unit = variance > 0 ? static_cast<float>(1 / std::sqrt(variance)) : 0.0F;
+    const std::size_t d = field.planes;
+    const auto density_of = [&](const PlaneField& part, bool suppress) {
+        Image density = spectral_density(part, rows, cols, executor);
+        for (std::size_t k = 0; suppress && k < density.bands(); ++k)
+            suppress_unmeasured(part, density.plane(k), cols);
+        return density;
+    };
+    const Image whole = density_of(field, true);
+    std::array<float, kMaxBands> units{};
+    for (std::size_t i = 0; i < d; ++i) {
+        const double variance = mean_density(whole.plane(i * d + i), cols);
+        units[i] = variance > 0 ? static_cast<float>(1 / std::sqrt(variance)) : 0.0F;
+    }
 
     const auto kernel = [&](const PlaneField& part,
                             bool pin_mean) -> Result<OverlapSave> {
-        Image density = spectral_density(part, rows, cols, executor);
-        if (pin_mean) suppress_unmeasured(part, density.plane(0), cols);
+        const Image density = density_of(part, pin_mean);
+        std::optional<SampleExtent> pinned;
+        if (pin_mean) pinned = SampleExtent{part.sample_rows, part.sample_cols};
         SATEEN_TRY(OverlapSave overlap_save,
-                   OverlapSave::create(density.plane(0), cols, pin_mean, executor));
-        overlap_save.scale(unit);
+                   OverlapSave::create(density.view(), cols, pinned, executor));
+        for (std::size_t i = 0; i < d; ++i) overlap_save.scale(i, units[i]);
         return overlap_save;
     };
     if (!split) {
@@ -71,32 +83,46 @@ std::size_t InfiniteField::strip_rows() const {
 }
 
 Result<void> InfiniteField::draw(std::uint64_t seed, std::uint32_t plane,
-                                 std::int32_t row, std::int32_t col, PlaneView<float> out,
+                                 std::int32_t row, std::int32_t col,
+                                 std::span<const PlaneView<float>> out,
                                  Executor& executor) const {
-    fine_->draw({seed, noise_band(plane)}, period_, row, col, out, executor);
+    std::vector<NoiseField> fine_noise;
+    std::vector<NoiseField> coarse_noise;
+    for (std::uint32_t i = 0; i < out.size(); ++i) {
+        fine_noise.push_back({seed, noise_band(plane + i)});
+        coarse_noise.push_back({seed, coarse_noise_band(plane + i)});
+    }
+    fine_->draw(fine_noise, period_, row, col, out, executor);
     if (!coarse_) return {};
 
     // The windows that each level needs of the next coarser one, then back up through
     // them.
-    std::vector<Window> windows = {{{row, out.rows}, {col, out.cols}}};
+    std::vector<Window> windows = {{{row, out[0].rows}, {col, out[0].cols}}};
     for (std::size_t level = 0; level < split_; ++level)
         windows.push_back(
             {expand_support(windows.back().rows), expand_support(windows.back().cols)});
     const Period coarse_period{period_.rows >> split_, period_.cols >> split_};
     const Window& coarsest = windows.back();
-    Image present(1, coarsest.rows.count, coarsest.cols.count);
-    coarse_->draw({seed, coarse_noise_band(plane)}, coarse_period, coarsest.rows.first,
-                  coarsest.cols.first, present.plane(0), executor);
-    for (std::size_t level = split_; level-- > 0;) {
-        const LatticePoint from{windows[level + 1].rows.first,
-                                windows[level + 1].cols.first};
-        const LatticePoint to{windows[level].rows.first, windows[level].cols.first};
-        if (level == 0) {
-            expand_add_window(present.plane(0), from, out, to, executor);
-        } else {
-            Image finer(1, windows[level].rows.count, windows[level].cols.count);
-            expand_window(present.plane(0), from, finer.plane(0), to, executor);
-            present = std::move(finer);
+    Image coarse(out.size(), coarsest.rows.count, coarsest.cols.count);
+    std::vector<PlaneView<float>> views;
+    for (std::size_t i = 0; i < out.size(); ++i) views.push_back(coarse.plane(i));
+    coarse_->draw(coarse_noise, coarse_period, coarsest.rows.first, coarsest.cols.first,
+                  views, executor);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        PlaneView<const float> present = coarse.plane(i);
+        Image kept;
+        for (std::size_t level = split_; level-- > 0;) {
+            const LatticePoint from{windows[level + 1].rows.first,
+                                    windows[level + 1].cols.first};
+            const LatticePoint to{windows[level].rows.first, windows[level].cols.first};
+            if (level == 0) {
+                expand_add_window(present, from, out[i], to, executor);
+            } else {
+                Image finer(1, windows[level].rows.count, windows[level].cols.count);
+                expand_window(present, from, finer.plane(0), to, executor);
+                kept = std::move(finer);
+                present = kept.plane(0);
+            }
         }
     }
     return {};

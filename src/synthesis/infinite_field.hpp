@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "sateen/core/result.hpp"
 #include "synthesis/overlap_save.hpp"
@@ -22,10 +23,17 @@ class InfiniteField {
     [[nodiscard]] static Result<InfiniteField> create(const PlaneField& field,
                                                       Period period, Executor& executor);
     /// A window of variance 1 and mean 0 in expectation.
-    /// \param plane  numbers the noise
+    /// \param plane  numbers the noise; the first of several
+    /// \param out    as many planes as the field has, of one size
     [[nodiscard]] Result<void> draw(std::uint64_t seed, std::uint32_t plane,
                                     std::int32_t row, std::int32_t col,
-                                    PlaneView<float> out, Executor& executor) const;
+                                    std::span<const PlaneView<float>> out,
+                                    Executor& executor) const;
+    [[nodiscard]] Result<void> draw(std::uint64_t seed, std::uint32_t plane,
+                                    std::int32_t row, std::int32_t col,
+                                    PlaneView<float> out, Executor& executor) const {
+        return draw(seed, plane, row, col, std::span(&out, 1), executor);
+    }
     /// A good number of rows to draw at a time.
     [[nodiscard]] std::size_t strip_rows() const;
 

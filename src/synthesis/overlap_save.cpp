@@ -9,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "synthesis/hermitian_matrix.hpp"
+#include "synthesis/joint_field.hpp"
+
 namespace sateen {
 namespace {
 
@@ -26,6 +29,14 @@ std::size_t circular_distance(std::size_t k, std::size_t n) {
     return std::min(k, n - k);
 }
 
+/// The next multiple of kReachStep, at most a quarter of the block.
+std::size_t stepped_reach(double reach, std::size_t block) {
+    const std::size_t furthest = block / 4 / kReachStep * kReachStep;
+    if (reach >= static_cast<double>(furthest)) return furthest;
+    return std::min((static_cast<std::size_t>(reach) / kReachStep + 1) * kReachStep,
+                    furthest);
+}
+
 /// The smallest multiple of kReachStep beyond which the energies sum to less than the
 /// share, at most a quarter of the block.
 std::size_t choose_reach(const std::vector<double>& energy_at_distance,
@@ -36,8 +47,7 @@ std::size_t choose_reach(const std::vector<double>& energy_at_distance,
     std::size_t reach = energy_at_distance.size();
     while (reach > 0 && tail + energy_at_distance[reach - 1] <= kTailShare * total)
         tail += energy_at_distance[--reach];
-    reach = (reach / kReachStep + 1) * kReachStep;
-    return std::min(reach, block / 4 / kReachStep * kReachStep);
+    return stepped_reach(static_cast<double>(reach), block);
 }
 
 /// 1 up to ¾ of the reach, then a cosine down to 0 at the reach.
@@ -54,28 +64,23 @@ float bump(std::size_t distance, std::size_t reach) {
     return x >= 1 ? 0.0F : static_cast<float>(0.5 + 0.5 * std::cos(std::numbers::pi * x));
 }
 
-double energy(const Image& kernel) {
-    double sum = 0;
-    for (const float h : kernel.values())
-        sum += static_cast<double>(h) * static_cast<double>(h);
-    return sum;
-}
-
 struct Reach {
     std::size_t rows;
     std::size_t cols;
 };
 
-Reach reach_of(const Image& kernel) {
-    std::vector<double> by_row(kernel.rows() / 2 + 1);
-    std::vector<double> by_col(kernel.cols() / 2 + 1);
-    for (std::size_t r = 0; r < kernel.rows(); ++r)
-        for (std::size_t c = 0; c < kernel.cols(); ++c) {
-            const double h = static_cast<double>(kernel(0, r, c));
-            by_row[circular_distance(r, kernel.rows())] += h * h;
-            by_col[circular_distance(c, kernel.cols())] += h * h;
-        }
-    return {choose_reach(by_row, kernel.rows()), choose_reach(by_col, kernel.cols())};
+/// Of all kernels together.
+Reach reach_of(const Image& kernels) {
+    std::vector<double> by_row(kernels.rows() / 2 + 1);
+    std::vector<double> by_col(kernels.cols() / 2 + 1);
+    for (std::size_t k = 0; k < kernels.bands(); ++k)
+        for (std::size_t r = 0; r < kernels.rows(); ++r)
+            for (std::size_t c = 0; c < kernels.cols(); ++c) {
+                const double h = static_cast<double>(kernels(k, r, c));
+                by_row[circular_distance(r, kernels.rows())] += h * h;
+                by_col[circular_distance(c, kernels.cols())] += h * h;
+            }
+    return {choose_reach(by_row, kernels.rows()), choose_reach(by_col, kernels.cols())};
 }
 
 template <class Window>
@@ -90,16 +95,61 @@ Image separable_window(const Image& like, Reach reach, Window window) {
 }
 
 /// Subtracts as much of a wide bump as makes the kernel sum to 0: a notch at frequency 0
-/// that is as narrow as the reach allows.
-void subtract_mean(Image& kernel, Reach reach) {
-    const Image wide = separable_window(kernel, reach, bump);
+/// as narrow as the reach allows.
+void subtract_mean(PlaneView<float> kernel, const Image& wide) {
     double kernel_sum = 0;
     double bump_sum = 0;
-    for (const float h : kernel.values()) kernel_sum += static_cast<double>(h);
-    for (const float w : wide.values()) bump_sum += static_cast<double>(w);
+    for (std::size_t i = 0; i < kernel.size(); ++i) {
+        kernel_sum += static_cast<double>(kernel.data[i]);
+        bump_sum += static_cast<double>(wide.values()[i]);
+    }
     const float share = static_cast<float>(kernel_sum / bump_sum);
-    for (std::size_t i = 0; i < kernel.values().size(); ++i)
-        kernel.values()[i] -= share * wide.values()[i];
+    for (std::size_t i = 0; i < kernel.size(); ++i)
+        kernel.data[i] -= share * wide.values()[i];
+}
+
+/// The kernels of a matrix of d planes: (i, j) with i ≤ j, row by row. Those with i > j are
+/// mirrored ones, h_ji(r) = h_ij(-r).
+struct Pair {
+    std::size_t i, j;
+};
+
+std::vector<Pair> pairs_of(std::size_t planes) {
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < planes; ++i)
+        for (std::size_t j = i; j < planes; ++j) pairs.push_back({i, j});
+    return pairs;
+}
+
+/// Σ_j Σ_r h_ij(r)² for every plane i: its variance.
+std::array<double, 3> variances(const Image& kernels, const std::vector<Pair>& pairs) {
+    std::array<double, 3> sums{};
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        double energy = 0;
+        const PlaneView<const float> kernel = kernels.plane(k);
+        for (std::size_t n = 0; n < kernel.size(); ++n)
+            energy +=
+                static_cast<double>(kernel.data[n]) * static_cast<double>(kernel.data[n]);
+        sums[pairs[k].i] += energy;
+        if (pairs[k].i != pairs[k].j) sums[pairs[k].j] += energy;
+    }
+    return sums;
+}
+
+void copy_plane(PlaneView<const float> from, PlaneView<float> to) {
+    for (std::size_t m = 0; m < to.rows; ++m)
+        std::copy_n(from.row(m), to.cols, to.row(m));
+}
+
+/// E^{1/2} at every frequency.
+Image root_of(ImageView<const float> density, Executor& executor) {
+    Image root(density.bands, density.rows, density.cols);
+    std::copy_n(density.data, density.size(), root.values().begin());
+    if (density.bands == 1)
+        for (float& value : root.values()) value = std::sqrt(value);
+    else
+        hermitian_root(root.view(), executor);
+    return root;
 }
 
 std::int32_t wrapped(std::int32_t k, std::int32_t period) {
@@ -125,46 +175,83 @@ void draw_noise_row(NoiseField noise, Period period, std::int32_t row, std::int3
 
 }  // namespace
 
-Result<OverlapSave> OverlapSave::create(PlaneView<const float> density, std::size_t cols,
-                                        bool pin_mean, Executor& executor) {
+Result<OverlapSave> OverlapSave::create(ImageView<const float> density, std::size_t cols,
+                                        std::optional<SampleExtent> pinned,
+                                        Executor& executor) {
     SATEEN_TRY(Fft2d fft, Fft2d::create(density.rows, cols));
     OverlapSave result(std::move(fft));
+    const std::size_t d = density.bands == 1 ? 1 : 3;
+    const std::vector<Pair> pairs = pairs_of(d);
+    const Image root = root_of(density, executor);
     SplitComplexPlane spectrum(density.rows, density.cols);
-    for (std::size_t m = 0; m < density.rows; ++m)
-        for (std::size_t n = 0; n < density.cols; ++n)
-            spectrum.view().re(m, n) = std::sqrt(density(m, n));
-    Image kernel(1, density.rows, cols);
-    result.fft_.inverse(spectrum.view(), kernel.plane(0), executor);
+    Image kernels(pairs.size(), density.rows, cols);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const auto [i, j] = pairs[k];
+        spectrum = SplitComplexPlane(density.rows, density.cols);
+        copy_plane(root.plane(i * d + j), spectrum.view().re);
+        if (i != j) copy_plane(root.plane(j * d + i), spectrum.view().im);
+        result.fft_.inverse(spectrum.view(), kernels.plane(k), executor);
+    }
 
-    const double whole = energy(kernel);
-    const Reach reach = reach_of(kernel);
-    const Image window = separable_window(kernel, reach, taper);
-    for (std::size_t i = 0; i < kernel.values().size(); ++i)
-        kernel.values()[i] *= window.values()[i];
-    if (pin_mean) subtract_mean(kernel, reach);
-    const double kept = energy(kernel);
-
-    result.fft_.forward(kernel.plane(0), spectrum.view(), executor);
-    result.filter_ = Image(1, density.rows, density.cols);
-    for (std::size_t m = 0; m < density.rows; ++m)
-        std::copy_n(spectrum.view().re.row(m), density.cols,
-                    result.filter_.plane(0).row(m));
+    const std::array<double, 3> whole = variances(kernels, pairs);
+    // A notch narrower than what the sample shows of the lowest frequencies needs a bump as
+    // wide as the sample; as wide as the kernel alone it would take its low frequencies.
+    Reach reach = reach_of(kernels);
+    if (pinned) {
+        reach.rows = std::max(reach.rows, stepped_reach(pinned->rows, density.rows));
+        reach.cols = std::max(reach.cols, stepped_reach(pinned->cols, cols));
+    }
+    const Image window = separable_window(kernels, reach, taper);
+    const Image wide = separable_window(kernels, reach, bump);
+    result.filter_ = Image(density.bands, density.rows, density.cols);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const PlaneView<float> kernel = kernels.plane(k);
+        for (std::size_t n = 0; n < kernel.size(); ++n)
+            kernel.data[n] *= window.values()[n];
+        if (pinned) subtract_mean(kernel, wide);
+        const auto [i, j] = pairs[k];
+        result.fft_.forward(kernel, spectrum.view(), executor);
+        copy_plane(spectrum.view().re, result.filter_.plane(i * d + j));
+        if (i != j) copy_plane(spectrum.view().im, result.filter_.plane(j * d + i));
+    }
+    const std::array<double, 3> kept = variances(kernels, pairs);
+    result.planes_ = d;
+    for (std::size_t i = 0; i < d; ++i)
+        result.gains_[i] =
+            kept[i] > 0 ? static_cast<float>(std::sqrt(whole[i] / kept[i])) : 0.0F;
     result.reach_rows_ = reach.rows;
     result.reach_cols_ = reach.cols;
-    result.scale(kept > 0 ? static_cast<float>(std::sqrt(whole / kept)) : 0.0F);
     return result;
 }
 
-void OverlapSave::scale(float factor) {
-    for (float& value : filter_.values()) value *= factor;
+void OverlapSave::apply_filter(std::span<SplitComplexPlane> spectra) const {
+    for (std::size_t m = 0; m < fft_.rows(); ++m) {
+        ComplexRows y;
+        for (std::size_t i = 0; i < planes_; ++i) {
+            y.re[i] = spectra[i].view().re.row(m);
+            y.im[i] = spectra[i].view().im.row(m);
+        }
+        if (planes_ == 1) {
+            const float* filter = filter_.plane(0).row(m);
+            for (std::size_t n = 0; n < fft_.spectrum_cols(); ++n) {
+                const float factor = gains_[0] * filter[n];
+                y.re[0][n] *= factor;
+                y.im[0][n] *= factor;
+            }
+        } else {
+            multiply_hermitian(hermitian_rows(filter_.view(), m), gains_, y, y,
+                               fft_.spectrum_cols());
+        }
+    }
 }
 
-void OverlapSave::draw(NoiseField noise, Period period, std::int32_t row,
-                       std::int32_t col, PlaneView<float> out, Executor& executor) const {
+void OverlapSave::draw(std::span<const NoiseField> noise, Period period, std::int32_t row,
+                       std::int32_t col, std::span<const PlaneView<float>> out,
+                       Executor& executor) const {
     const auto height = static_cast<std::int32_t>(block_rows());
     const auto width = static_cast<std::int32_t>(block_cols());
-    const std::int32_t end_row = row + static_cast<std::int32_t>(out.rows);
-    const std::int32_t end_col = col + static_cast<std::int32_t>(out.cols);
+    const std::int32_t end_row = row + static_cast<std::int32_t>(out[0].rows);
+    const std::int32_t end_col = col + static_cast<std::int32_t>(out[0].cols);
     const std::int32_t first_block_row = floor_div(row, height);
     const std::int32_t first_block_col = floor_div(col, width);
     const auto blocks_down =
@@ -178,36 +265,34 @@ void OverlapSave::draw(NoiseField noise, Period period, std::int32_t row,
         const std::int32_t left =
             (first_block_col + static_cast<std::int32_t>(block % blocks_across)) * width;
         SerialExecutor serial;
-        Image field(1, fft_.rows(), fft_.cols());
-        for (std::size_t r = 0; r < fft_.rows(); ++r)
-            draw_noise_row(noise, period,
-                           top - static_cast<std::int32_t>(reach_rows_) +
-                               static_cast<std::int32_t>(r),
-                           left - static_cast<std::int32_t>(reach_cols_),
-                           {field.plane(0).row(r), fft_.cols()});
-        SplitComplexPlane spectrum(fft_.rows(), fft_.spectrum_cols());
-        fft_.forward(field.plane(0), spectrum.view(), serial);
-        for (std::size_t m = 0; m < fft_.rows(); ++m) {
-            const float* filter = filter_.plane(0).row(m);
-            float* re = spectrum.view().re.row(m);
-            float* im = spectrum.view().im.row(m);
-            for (std::size_t n = 0; n < fft_.spectrum_cols(); ++n) {
-                re[n] *= filter[n];
-                im[n] *= filter[n];
-            }
+        Image field(planes_, fft_.rows(), fft_.cols());
+        std::vector<SplitComplexPlane> spectra;
+        for (std::size_t plane = 0; plane < planes_; ++plane) {
+            for (std::size_t r = 0; r < fft_.rows(); ++r)
+                draw_noise_row(noise[plane], period,
+                               top - static_cast<std::int32_t>(reach_rows_) +
+                                   static_cast<std::int32_t>(r),
+                               left - static_cast<std::int32_t>(reach_cols_),
+                               {field.plane(plane).row(r), fft_.cols()});
+            spectra.emplace_back(fft_.rows(), fft_.spectrum_cols());
+            fft_.forward(field.plane(plane), spectra.back().view(), serial);
         }
-        fft_.inverse(spectrum.view(), field.plane(0), serial);
+        apply_filter(spectra);
+        for (std::size_t plane = 0; plane < planes_; ++plane)
+            fft_.inverse(spectra[plane].view(), field.plane(plane), serial);
 
         const std::int32_t from_row = std::max(top, row);
         const std::int32_t to_row = std::min(top + height, end_row);
         const std::int32_t from_col = std::max(left, col);
         const std::int32_t to_col = std::min(left + width, end_col);
-        for (std::int32_t r = from_row; r < to_row; ++r)
-            std::copy_n(
-                field.plane(0).row(reach_rows_ + static_cast<std::size_t>(r - top)) +
-                    reach_cols_ + static_cast<std::size_t>(from_col - left),
-                static_cast<std::size_t>(to_col - from_col),
-                out.row(static_cast<std::size_t>(r - row)) + (from_col - col));
+        for (std::size_t plane = 0; plane < planes_; ++plane)
+            for (std::int32_t r = from_row; r < to_row; ++r)
+                std::copy_n(
+                    field.plane(plane).row(reach_rows_ +
+                                           static_cast<std::size_t>(r - top)) +
+                        reach_cols_ + static_cast<std::size_t>(from_col - left),
+                    static_cast<std::size_t>(to_col - from_col),
+                    out[plane].row(static_cast<std::size_t>(r - row)) + (from_col - col));
     });
 }
 

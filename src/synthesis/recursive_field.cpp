@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <string>
 #include <utility>
 
@@ -18,6 +17,8 @@ namespace {
 constexpr std::int32_t kBlockSide = 512;
 /// An impulse is forgotten where its response is below this share of its peak.
 constexpr float kForgotten = 1e-3F;
+/// Rows that are expanded into while they are in the cache.
+constexpr std::size_t kStripRows = 16;
 
 std::int32_t block_of(std::int32_t site) {
     return site >= 0 ? site / kBlockSide : -((-site - 1) / kBlockSide) - 1;
@@ -73,44 +74,63 @@ std::size_t RecursiveField::strip_rows() const {
     return kBlockSide;
 }
 
-Result<Image> RecursiveField::draw_block(std::uint64_t seed, std::uint32_t plane,
-                                         std::int32_t row, std::int32_t col) const {
-    struct Window {
-        LatticeRange rows;
-        LatticeRange cols;
+Result<void> RecursiveField::draw_level(std::size_t level, NoiseField noise,
+                                        const Window& block, const Expanded& coarser,
+                                        LatticePoint from, PlaneView<float> out) const {
+    const LevelRecursion& model = levels_[level];
+    // Noise is made in groups of four columns.
+    const auto extra = static_cast<std::size_t>(
+        (block.cols.first - static_cast<std::int32_t>(model.margin.left)) & 3);
+    const std::size_t left = model.margin.left + extra;
+    const std::int32_t first_col = block.cols.first - static_cast<std::int32_t>(left);
+    SATEEN_TRY(CausalRecursion recursion,
+               CausalRecursion::create(model.taps, model.deviation,
+                                       left + block.cols.count + model.margin.right));
+    std::int32_t row = block.rows.first - static_cast<std::int32_t>(model.margin.down);
+    const auto next_row = [&] {
+        draw_normals(noise, row++, first_col, recursion.noise());
+        return recursion.next_row();
     };
-    std::vector<Window> windows = {{{row, kBlockSide}, {col, kBlockSide}}};
+    while (row < from.row) (void)next_row();
+
+    SerialExecutor serial;
+    const auto skipped = static_cast<std::size_t>(from.col - first_col);
+    for (std::size_t first = 0; first < out.rows; first += kStripRows) {
+        const auto strip =
+            out.window(first, 0, std::min(kStripRows, out.rows - first), out.cols);
+        const LatticePoint origin{row, from.col};
+        for (std::size_t r = 0; r < strip.rows; ++r)
+            std::copy_n(next_row().data() + skipped, out.cols, strip.row(r));
+        if (coarser.field.size() != 0)
+            expand_add_window(coarser.field, coarser.origin, strip, origin, serial);
+    }
+    return {};
+}
+
+Result<void> RecursiveField::draw_part(std::uint64_t seed, std::uint32_t plane,
+                                       LatticePoint block, LatticePoint from,
+                                       PlaneView<float> out) const {
+    // Columns are those of the whole block: its right part is felt on the left.
+    const std::int32_t end = from.row + static_cast<std::int32_t>(out.rows);
+    std::vector<Window> windows = {
+        {{block.row, static_cast<std::size_t>(end - block.row)},
+         {block.col, kBlockSide}}};
     while (windows.size() < levels_.size())
         windows.push_back(
             {expand_support(windows.back().rows), expand_support(windows.back().cols)});
 
-    SerialExecutor serial;
     Image coarser;
-    for (std::size_t k = levels_.size(); k-- > 0;) {
-        const LevelRecursion& level = levels_[k];
-        const Window& window = windows[k];
-        const std::size_t left = level.margin.left;
-        Image padded(1, window.rows.count + level.margin.down,
-                     window.cols.count + left + level.margin.right);
-        for (std::size_t r = 0; r < padded.rows(); ++r) {
-            const std::span<float> noise(padded.plane(0).row(r), padded.cols());
-            draw_normals({seed, recursion_noise_band(plane, k)},
-                         window.rows.first + static_cast<std::int32_t>(r) -
-                             static_cast<std::int32_t>(level.margin.down),
-                         window.cols.first - static_cast<std::int32_t>(left), noise);
-        }
-        SATEEN_CHECK(causal_recursion(level.taps, level.deviation, padded.plane(0)));
-        Image field(1, window.rows.count, window.cols.count);
-        for (std::size_t r = 0; r < field.rows(); ++r)
-            std::copy_n(padded.plane(0).row(level.margin.down + r) + left, field.cols(),
-                        field.plane(0).row(r));
-        if (k + 1 < levels_.size())
-            expand_add_window(
-                coarser.plane(0), {windows[k + 1].rows.first, windows[k + 1].cols.first},
-                field.plane(0), {window.rows.first, window.cols.first}, serial);
+    Expanded expanded;
+    for (std::size_t k = levels_.size(); k-- > 1;) {
+        const LatticePoint origin{windows[k].rows.first, windows[k].cols.first};
+        Image field(1, windows[k].rows.count, windows[k].cols.count);
+        SATEEN_CHECK(draw_level(k, {seed, recursion_noise_band(plane, k)}, windows[k],
+                                expanded, origin, field.plane(0)));
         coarser = std::move(field);
+        expanded = {std::as_const(coarser).plane(0), origin};
     }
-    return coarser;
+    return draw_level(0, {seed, recursion_noise_band(plane, 0)}, windows[0], expanded,
+                      from, out);
 }
 
 Result<void> RecursiveField::draw(std::uint64_t seed, std::uint32_t plane,
@@ -123,25 +143,18 @@ Result<void> RecursiveField::draw(std::uint64_t seed, std::uint32_t plane,
         static_cast<std::size_t>(block_of(end_col - 1) - block_of(col) + 1);
     std::vector<Result<void>> results(down * across);
     parallel_for(executor, down * across, [&](std::size_t number) {
-        const std::int32_t top =
-            (block_of(row) + static_cast<std::int32_t>(number / across)) * kBlockSide;
-        const std::int32_t left =
-            (block_of(col) + static_cast<std::int32_t>(number % across)) * kBlockSide;
-        const Result<Image> drawn = draw_block(seed, plane, top, left);
-        if (!drawn) {
-            results[number] = drawn.error();
-            return;
-        }
-        const Image& block = *drawn;
-        const std::int32_t from_row = std::max(top, row);
-        const std::int32_t to_row = std::min(top + kBlockSide, end_row);
-        const std::int32_t from_col = std::max(left, col);
-        const std::int32_t to_col = std::min(left + kBlockSide, end_col);
-        for (std::int32_t r = from_row; r < to_row; ++r)
-            std::copy_n(
-                block.plane(0).row(static_cast<std::size_t>(r - top)) + (from_col - left),
-                static_cast<std::size_t>(to_col - from_col),
-                out.row(static_cast<std::size_t>(r - row)) + (from_col - col));
+        const LatticePoint block{
+            (block_of(row) + static_cast<std::int32_t>(number / across)) * kBlockSide,
+            (block_of(col) + static_cast<std::int32_t>(number % across)) * kBlockSide};
+        const LatticePoint from{std::max(block.row, row), std::max(block.col, col)};
+        const std::int32_t to_row = std::min(block.row + kBlockSide, end_row);
+        const std::int32_t to_col = std::min(block.col + kBlockSide, end_col);
+        results[number] =
+            draw_part(seed, plane, block, from,
+                      out.window(static_cast<std::size_t>(from.row - row),
+                                 static_cast<std::size_t>(from.col - col),
+                                 static_cast<std::size_t>(to_row - from.row),
+                                 static_cast<std::size_t>(to_col - from.col)));
     });
     for (Result<void>& result : results) SATEEN_CHECK(std::move(result));
     return {};

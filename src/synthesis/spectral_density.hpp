@@ -14,24 +14,29 @@
 
 namespace sateen {
 
-/// The field of one plane on levels [first, end) of a pyramid.
+/// The field of one plane on levels [first, end) of a pyramid; or of `planes` planes from
+/// `plane` on, where a field draws them together.
 struct PlaneField {
     std::span<const Level> levels;
     std::size_t plane = 0;
     /// Size of the measured sample on the lattice of the finest level here.
     double sample_rows = 0;
     double sample_cols = 0;
+    std::size_t planes = 1;
 
+    /// The field that draws the (first) plane.
     [[nodiscard]] const FieldModel& field(std::size_t level) const {
-        return levels[level].fields[plane];
+        const auto& fields = levels[level].fields;
+        return fields[plane < fields.size() ? plane : 0];
     }
     /// The part of the pyramid from `level` on, as a pyramid of its own.
     [[nodiscard]] PlaneField coarser(std::size_t level) const {
         const double factor = std::ldexp(1.0, static_cast<int>(level));
-        return {levels.subspan(level), plane, sample_rows / factor, sample_cols / factor};
+        return {levels.subspan(level), plane, sample_rows / factor, sample_cols / factor,
+                planes};
     }
     [[nodiscard]] PlaneField finer(std::size_t level) const {
-        return {levels.first(level), plane, sample_rows, sample_cols};
+        return {levels.first(level), plane, sample_rows, sample_cols, planes};
     }
 };
 
@@ -42,7 +47,9 @@ struct PlaneField {
 ///
 /// n = 0 … ⌊cols/2⌋. Levels drawn independently have exactly this density on average.
 /// Any size; odd ones evaluate the coarser levels at the doubled frequencies.
-/// \cost  about 10 multiply-adds a frequency and level
+/// \returns  (1, rows, ⌊cols/2⌋ + 1); for d planes (d², …) the Hermitian matrix E: element
+///           (i, j) is Re E_ij for i ≤ j, Im E_ji for i > j
+/// \cost  about 10 multiply-adds a frequency and level; about 300 for 3 planes
 [[nodiscard]] Image spectral_density(const PlaneField& field, std::size_t rows,
                                      std::size_t cols, Executor& executor);
 

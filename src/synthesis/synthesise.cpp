@@ -11,6 +11,7 @@
 #include "sateen/core/fft.hpp"
 #include "synthesis/appearance.hpp"
 #include "synthesis/infinite_field.hpp"
+#include "synthesis/joint_field.hpp"
 #include "synthesis/noise_bands.hpp"
 #include "synthesis/recursive_field.hpp"
 #include "synthesis/spectral_density.hpp"
@@ -22,7 +23,10 @@ namespace {
 /// Tileable textures up to this size are drawn at once, with mean and variance pinned.
 constexpr std::size_t kWholeTextureSites = std::size_t{1} << 22U;
 
-Result<void> check_size(const SynthesisOptions& options) {
+/// Far enough from the ends of 32 bits for any texture and its margins.
+constexpr std::int32_t kFurthestOffset = std::int32_t{1} << 30;
+
+Result<void> check_window(const SynthesisOptions& options) {
     for (const std::size_t side : {options.rows, options.cols})
         if (side == 0 || side > kMaxTextureSide)
             return Error{Errc::invalid_argument, "a texture of " +
@@ -30,6 +34,12 @@ Result<void> check_size(const SynthesisOptions& options) {
                                                      std::to_string(options.rows) +
                                                      " pixels: each side must be 1 to " +
                                                      std::to_string(kMaxTextureSide)};
+    for (const std::int32_t offset : {options.offset_row, options.offset_col})
+        if (offset < -kFurthestOffset || offset > kFurthestOffset)
+            return Error{Errc::invalid_argument,
+                         "an offset of " + std::to_string(options.offset_col) + "," +
+                             std::to_string(options.offset_row) +
+                             ": each must be within 2^30 of 0"};
     return {};
 }
 
@@ -64,10 +74,19 @@ void standardise(PlaneView<float> plane) {
         plane.data[i] = (plane.data[i] - shift) * scale;
 }
 
-PlaneField plane_field(const Material& material, const Subspace& subspace,
-                       std::size_t plane) {
-    return {subspace.levels, plane, static_cast<double>(material.sample_rows),
-            static_cast<double>(material.sample_cols)};
+/// The planes of a subspace: each alone, or all together where a field draws them so.
+std::vector<PlaneField> independent_fields(const Material& material,
+                                           const Subspace& subspace) {
+    const std::size_t d = subspace.marginals.size();
+    const bool joint = std::any_of(
+        subspace.levels.begin(), subspace.levels.end(),
+        [](const Level& level) { return planes_of(level.fields.front()) > 1; });
+    const PlaneField first{subspace.levels, 0, static_cast<double>(material.sample_rows),
+                           static_cast<double>(material.sample_cols), joint ? d : 1};
+    std::vector<PlaneField> fields(joint ? 1 : d, first);
+    for (std::size_t plane = 0; plane < fields.size(); ++plane)
+        fields[plane].plane = plane;
+    return fields;
 }
 
 /// The Fourier transforms of the white noise of every plane of one torus.
@@ -92,11 +111,17 @@ class ToroidalNoise {
     [[nodiscard]] Image draw(const Material& material, const Subspace& subspace,
                              Executor& executor) const {
         Image planes(spectra_.size(), fft_.rows(), fft_.cols());
-        SplitComplexPlane spectrum(fft_.rows(), fft_.spectrum_cols());
-        for (std::size_t plane = 0; plane < spectra_.size(); ++plane) {
-            colour_noise(plane_field(material, subspace, plane), fft_.cols(),
-                         spectra_[plane].view(), spectrum.view(), executor);
-            fft_.inverse(spectrum.view(), planes.plane(plane), executor);
+        std::vector<SplitComplexPlane> coloured;
+        for (const PlaneField& field : independent_fields(material, subspace)) {
+            while (coloured.size() < field.planes)
+                coloured.emplace_back(fft_.rows(), fft_.spectrum_cols());
+            if (field.planes == 1)
+                colour_noise(field, fft_.cols(), spectra_[field.plane].view(),
+                             coloured[0].view(), executor);
+            else
+                colour_joint_noise(field, fft_.cols(), spectra_, coloured, executor);
+            for (std::size_t i = 0; i < field.planes; ++i)
+                fft_.inverse(coloured[i].view(), planes.plane(field.plane + i), executor);
         }
         return planes;
     }
@@ -114,19 +139,23 @@ class InfinitePlanes {
                                          const Subspace& subspace, Period period,
                                          Executor& executor) {
         InfinitePlanes planes;
-        for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
+        for (const PlaneField& part : independent_fields(material, subspace)) {
             SATEEN_TRY(InfiniteField field,
-                       InfiniteField::create(plane_field(material, subspace, plane),
-                                             period, executor));
+                       InfiniteField::create(part, period, executor));
             planes.fields_.push_back(std::move(field));
         }
         return planes;
     }
     Result<void> draw(std::uint64_t seed, std::int32_t row, std::int32_t col,
                       ImageView<float> out, Executor& executor) const {
-        for (std::uint32_t plane = 0; plane < fields_.size(); ++plane)
-            SATEEN_CHECK(
-                fields_[plane].draw(seed, plane, row, col, out.plane(plane), executor));
+        std::vector<PlaneView<float>> views;
+        for (std::size_t plane = 0; plane < out.bands; ++plane)
+            views.push_back(out.plane(plane));
+        const std::size_t each = out.bands / fields_.size();
+        for (std::size_t i = 0; i < fields_.size(); ++i)
+            SATEEN_CHECK(fields_[i].draw(seed, static_cast<std::uint32_t>(i * each), row,
+                                         col, std::span(views).subspan(i * each, each),
+                                         executor));
         return {};
     }
     [[nodiscard]] std::size_t strip_rows() const { return fields_.front().strip_rows(); }
@@ -215,8 +244,9 @@ Result<void> draw_periodic(const Material& material, const Subspace& subspace,
 Result<void> synthesise(const Material& material, std::size_t subspace_number,
                         const SynthesisOptions& options, const StripSink& sink,
                         Executor& executor, Progress& progress) {
-    SATEEN_CHECK(check_size(options));
+    SATEEN_CHECK(check_window(options));
     SATEEN_CHECK(check_subspace(material, subspace_number));
+    if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while drawing"};
     const Subspace& subspace = material.subspaces[subspace_number];
     if (options.tileable) {
         if (!fits_one_transform(options))
@@ -229,8 +259,11 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
         return sink(0, texture.view());
     }
     if (options.recursive || material.drawing == Drawing::recursive) {
-        SATEEN_TRY(const RecursivePlanes planes, RecursivePlanes::create(subspace));
-        return draw_in_strips(planes, subspace, options, sink, executor, progress);
+        // Deviation: [CAR2] has no answer to a recursion that does not forget its start. Its
+        // spectral density is finite all the same, and is drawn instead.
+        const Result<RecursivePlanes> planes = RecursivePlanes::create(subspace);
+        if (planes) return draw_in_strips(*planes, subspace, options, sink, executor, progress);
+        if (planes.error().code != Errc::not_stationary) return planes.error();
     }
     SATEEN_TRY(const InfinitePlanes planes,
                InfinitePlanes::create(material, subspace, Period{}, executor));
@@ -240,7 +273,7 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
 Result<Image> synthesise(const Material& material, std::size_t subspace,
                          const SynthesisOptions& options, Executor& executor,
                          Progress& progress) {
-    SATEEN_CHECK(check_size(options));
+    SATEEN_CHECK(check_window(options));
     Image whole(material.bands, options.rows, options.cols);
     SATEEN_CHECK(synthesise(
         material, subspace, options,
@@ -260,7 +293,7 @@ Result<void> synthesise_tiles(
     const SynthesisOptions& options,
     const std::function<Result<void>(std::size_t subspace, Image texture)>& take,
     Executor& executor, Progress& progress) {
-    SATEEN_CHECK(check_size(options));
+    SATEEN_CHECK(check_window(options));
     for (const std::size_t k : subspaces) SATEEN_CHECK(check_subspace(material, k));
     std::optional<ToroidalNoise> noise;
     if (fits_one_transform(options)) {

@@ -3,30 +3,100 @@
 #include "synthesis/toroidal_field.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "sateen/core/normal.hpp"
 
+// With static dispatch (WebAssembly) only the compiler's own target is built.
+#ifdef SATEEN_STATIC_DISPATCH
+#define HWY_COMPILE_ONLY_STATIC
+#endif
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "synthesis/toroidal_field.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef SATEEN_SYNTHESIS_TOROIDAL_FIELD_ONCE
+#define SATEEN_SYNTHESIS_TOROIDAL_FIELD_ONCE
+namespace sateen {
+
+/// One row of the half spectrum.
+struct NoiseSpectrumRow {
+    const float* density;
+    const float* re;
+    const float* im;
+    std::size_t count;
+};
+
+}  // namespace sateen
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace sateen::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Σ E |ŵ|² along the row.
+double power_of_row(const NoiseSpectrumRow& row) {
+    const hn::ScalableTag<float> d;
+    const std::size_t lanes = hn::Lanes(d);
+    auto sum = hn::Zero(d);
+    std::size_t n = 0;
+    for (; n + lanes <= row.count; n += lanes) {
+        const auto re = hn::LoadU(d, row.re + n);
+        const auto im = hn::LoadU(d, row.im + n);
+        const auto squared = hn::MulAdd(re, re, hn::Mul(im, im));
+        sum = hn::MulAdd(hn::LoadU(d, row.density + n), squared, sum);
+    }
+    auto total = static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum)));
+    for (; n < row.count; ++n)
+        total += static_cast<double>(row.density[n] *
+                                     (row.re[n] * row.re[n] + row.im[n] * row.im[n]));
+    return total;
+}
+
+// ŷ = scale √E ŵ
+void scale_row(const NoiseSpectrumRow& row, float scale, float* HWY_RESTRICT re,
+               float* HWY_RESTRICT im) {
+    const hn::ScalableTag<float> d;
+    const std::size_t lanes = hn::Lanes(d);
+    std::size_t n = 0;
+    for (; n + lanes <= row.count; n += lanes) {
+        const auto root =
+            hn::Mul(hn::Set(d, scale), hn::Sqrt(hn::LoadU(d, row.density + n)));
+        hn::StoreU(hn::Mul(root, hn::LoadU(d, row.re + n)), d, re + n);
+        hn::StoreU(hn::Mul(root, hn::LoadU(d, row.im + n)), d, im + n);
+    }
+    for (; n < row.count; ++n) {
+        const float root = scale * std::sqrt(row.density[n]);
+        re[n] = root * row.re[n];
+        im[n] = root * row.im[n];
+    }
+}
+
+}  // namespace
+}  // namespace sateen::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace sateen {
 namespace {
 
-/// Σ over the whole torus of E |ŵ|² along one row of the half spectrum, as colour_row
-/// leaves it.
-double colour_row(const float* E, const float* noise_re, const float* noise_im,
-                  std::size_t count, bool even, float* re, float* im) {
-    for (std::size_t n = 0; n < count; ++n) {
-        const float root = std::sqrt(E[n]);
-        re[n] = root * noise_re[n];
-        im[n] = root * noise_im[n];
-    }
+HWY_EXPORT(power_of_row);
+HWY_EXPORT(scale_row);
+
+/// Σ E |ŵ|² over a row of the whole torus: columns that the half spectrum leaves out
+/// mirror those inside.
+double whole_power(const NoiseSpectrumRow& row, bool even) {
     const auto power = [&](std::size_t n) {
-        return static_cast<double>(re[n] * re[n] + im[n] * im[n]);
+        return static_cast<double>(row.density[n] *
+                                   (row.re[n] * row.re[n] + row.im[n] * row.im[n]));
     };
-    double sum = 0;
-    for (std::size_t n = 0; n < count; ++n) sum += power(n);
-    sum = 2 * sum - power(0);
-    if (even) sum -= power(count - 1);
+    double sum = 2 * HWY_DYNAMIC_DISPATCH(power_of_row)(row) - power(0);
+    if (even) sum -= power(row.count - 1);
     return sum;
 }
 
@@ -40,8 +110,7 @@ void draw_noise(std::uint64_t seed, std::uint32_t band, PlaneView<float> out,
     });
 }
 
-//     R(0) = (1/(MN)²) Σ_t |ŷ_t|²     by Parseval: the scale that makes it 1 costs no
-//     pass
+//     R(0) = (1/(MN)²) Σ_t E_t |ŵ_t|²     by Parseval, known before ŷ is written
 void colour_noise(const PlaneField& field, std::size_t cols,
                   SplitComplexView<const float> noise, SplitComplexView<float> spectrum,
                   Executor& executor) {
@@ -49,22 +118,23 @@ void colour_noise(const PlaneField& field, std::size_t cols,
     Image density = spectral_density(field, rows, cols, executor);
     suppress_unmeasured(field, density.plane(0), cols);
     density(0, 0, 0) = 0;
+    const auto row = [&](std::size_t m) {
+        return NoiseSpectrumRow{density.plane(0).row(m), noise.re.row(m), noise.im.row(m),
+                                density.cols()};
+    };
     std::vector<double> row_power(rows);
     parallel_for(executor, rows, [&](std::size_t m) {
-        row_power[m] = colour_row(density.plane(0).row(m), noise.re.row(m),
-                                  noise.im.row(m), density.cols(), cols % 2 == 0,
-                                  spectrum.re.row(m), spectrum.im.row(m));
+        row_power[m] = whole_power(row(m), cols % 2 == 0);
     });
     double power = 0;
-    for (const double row : row_power) power += row;
+    for (const double part : row_power) power += part;
     const double sites = static_cast<double>(rows) * static_cast<double>(cols);
-    const double scale = power > 0 ? sites / std::sqrt(power) : 0;
+    const auto scale = static_cast<float>(power > 0 ? sites / std::sqrt(power) : 0);
     parallel_for(executor, rows, [&](std::size_t m) {
-        for (std::size_t n = 0; n < density.cols(); ++n) {
-            spectrum.re(m, n) *= static_cast<float>(scale);
-            spectrum.im(m, n) *= static_cast<float>(scale);
-        }
+        HWY_DYNAMIC_DISPATCH(scale_row)
+        (row(m), scale, spectrum.re.row(m), spectrum.im.row(m));
     });
 }
 
 }  // namespace sateen
+#endif

@@ -44,6 +44,10 @@ Car2d& field(Material& m) {
     return std::get<Car2d>(m.subspaces[3].levels[1].fields[0]);
 }
 
+Car3d& joint(Material& m) {
+    return std::get<Car3d>(m.subspaces[0].levels[1].fields[0]);
+}
+
 TEST(Validate, AcceptsAssortedMaterials) {
     for (const Material& m : test::assorted_materials()) {
         const auto result = validate(m);
@@ -197,6 +201,48 @@ TEST(Validate, NamesFaultsOfFields) {
         {"neighbourhood: 65 offsets, expected at most 64",
          [](auto& m) { field(m).neighbourhood.resize(65); }},
     });
+}
+
+TEST(Validate, NamesFaultsOfFieldsOfAllPlanes) {
+    const Material valid =
+        random_material({.seed = 9, .levels = 2, .order = 2, .model = 2});
+    ASSERT_TRUE(validate(valid));
+    const std::vector<Fault> faults = {
+        {"level 1, plane 0, a field of 2 planes, expected 3",
+         [](auto& m) { joint(m).planes = 2; }},
+        {"35 coefficients for 4 offsets", [](auto& m) { joint(m).A.pop_back(); }},
+        {"Sigma: 8 entries, expected 9", [](auto& m) { joint(m).Sigma.pop_back(); }},
+        {"variance: -1", [](auto& m) { joint(m).Sigma[4] = -1; }},
+        {"variance: nan", [](auto& m) { joint(m).Sigma[8] = kNan; }},
+        {"covariance: 9", [](auto& m) { joint(m).Sigma[1] = joint(m).Sigma[3] = 9; }},
+        {"covariance: nan", [](auto& m) { joint(m).Sigma[3] = kNan; }},
+        {"expected symmetry", [](auto& m) { joint(m).Sigma[1] = 0.2F; }},
+        {"expected one of the causal half plane",
+         [](auto& m) {
+             joint(m).neighbourhood[0] = {0, -1};
+         }},
+        {"fields: 2 entries, expected 3",
+         [](auto& m) {
+             auto& fields = m.subspaces[0].levels[1].fields;
+             fields.push_back(fields[0]);
+         }},
+    };
+    for (const Fault& fault : faults) {
+        Material m = valid;
+        fault.make(m);
+        const auto result = validate(m);
+        ASSERT_FALSE(result) << fault.message;
+        EXPECT_THAT(result.error().message, HasSubstr(fault.message));
+    }
+}
+
+TEST(Validate, LetsSimultaneousFieldsLookAnywhereButAtThemselves) {
+    Material m = random_material({.levels = 1, .order = 2, .model = 3});
+    auto& field = std::get<Sar3d>(m.subspaces[0].levels[0].fields[0]);
+    field.neighbourhood[0] = {-1, -2};
+    EXPECT_TRUE(validate(m));
+    field.neighbourhood[0] = {0, 0};
+    EXPECT_THAT(validate(m).error().message, HasSubstr("expected another site"));
 }
 
 }  // namespace

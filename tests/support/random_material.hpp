@@ -24,6 +24,8 @@ struct RandomMaterialOptions {
     std::size_t views = 0;          ///< 0 for photographs
     std::size_t lights = 0;
     bool complete = true;  ///< every pair of directions is measured
+    /// Of the fields, by number in FieldModel; joint ones draw all planes.
+    std::size_t model = 0;
 };
 
 class RandomMaterial {
@@ -118,23 +120,52 @@ class RandomMaterial {
         return out;
     }
 
-    // Σ |a_s| < 1: stable.
-    Car2d car2d(std::vector<Offset> offsets) {
-        Car2d out;
+    // Σ |a_s| < 1, ½ for a Markov field: stable.
+    template <class Model>
+    Model plane_field(std::vector<Offset> offsets, float sum) {
+        Model out;
         out.neighbourhood = std::move(offsets);
-        const float bound = 0.95F / static_cast<float>(out.neighbourhood.size());
+        const float bound = sum / static_cast<float>(out.neighbourhood.size());
         for (std::size_t i = 0; i < out.neighbourhood.size(); ++i)
             out.a.push_back(uniform(-bound, bound));
         out.variance = uniform(0.1F, 1);
         return out;
     }
 
+    Autoregression3d joint_field(std::vector<Offset> offsets) {
+        const std::size_t d = options_.bands;
+        Autoregression3d out{d, std::move(offsets), {}, std::vector<float>(d * d)};
+        const std::size_t count = out.neighbourhood.size() * d * d;
+        const float bound = 0.95F / static_cast<float>(count);
+        for (std::size_t k = 0; k < count; ++k) out.A.push_back(uniform(-bound, bound));
+        for (std::size_t i = 0; i < d; ++i)
+            for (std::size_t j = 0; j <= i; ++j)
+                out.Sigma[i * d + j] = out.Sigma[j * d + i] =
+                    i == j ? uniform(0.3F, 1) : uniform(-0.1F, 0.1F);
+        return out;
+    }
+
     Level level() {
         Level out;
-        for (std::uint32_t i = 0; i < options_.bands; ++i)
-            out.fields.emplace_back(car2d(options_.explicit_offsets && i == 0
-                                              ? scattered_offsets()
-                                              : hierarchical_half_plane(options_.order)));
+        if (options_.model >= 2) {
+            Autoregression3d field = joint_field(
+                options_.explicit_offsets ? scattered_offsets()
+                                          : hierarchical_half_plane(options_.order));
+            if (options_.model == 2)
+                out.fields.emplace_back(Car3d{std::move(field)});
+            else
+                out.fields.emplace_back(Sar3d{std::move(field)});
+            return out;
+        }
+        for (std::uint32_t i = 0; i < options_.bands; ++i) {
+            auto offsets = options_.explicit_offsets && i == 0
+                               ? scattered_offsets()
+                               : hierarchical_half_plane(options_.order);
+            if (options_.model == 0)
+                out.fields.emplace_back(plane_field<Car2d>(std::move(offsets), 0.95F));
+            else
+                out.fields.emplace_back(plane_field<Gmrf2d>(std::move(offsets), 0.45F));
+        }
         return out;
     }
 
@@ -172,6 +203,10 @@ inline std::vector<Material> assorted_materials() {
                          .views = 4,
                          .lights = 9,
                          .complete = false}),
+        random_material({.seed = 5, .explicit_offsets = true, .model = 1}),
+        random_material({.seed = 6, .subspaces = 2, .order = 4, .model = 2}),
+        random_material({.seed = 7, .levels = 2, .explicit_offsets = true, .model = 3}),
+        random_material({.seed = 8, .levels = 3, .bands = 1, .model = 3}),
     };
 }
 

@@ -20,6 +20,7 @@ struct Analysis {
     std::vector<std::string> notes;
     /// For each subspace the observation that represents it.
     std::vector<std::size_t> representatives;
+    FieldChoice choice;  ///< of FieldKind::automatic
 };
 
 /// Makes the material of a measurement: segments the BTF space, then for each

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "sateen/core/image.hpp"
@@ -34,6 +36,10 @@ class Autocovariance {
     [[nodiscard]] int reach() const { return reach_; }
     /// How many lattice sites were averaged.
     [[nodiscard]] double sites() const { return sites_; }
+    /// R(s) (1 - |s1|/n) (1 - |s2|/n), n² sites: what so small a sample can resolve. Taken
+    /// for a torus it shows the threads of a weave as waves without end, whose lines are
+    /// narrower than the frequencies at which they are fitted and drawn.
+    [[nodiscard]] Autocovariance resolved() const;
     /// Pools the statistics of another sample of the same field, weighted by its sites.
     void pool(const Autocovariance& other);
 
@@ -45,6 +51,41 @@ class Autocovariance {
     int reach_ = 0;
     double sites_ = 0;
 };
+
+/// R_ij(s) = E Y_{r,i} Y_{r-s,j} of d zero-mean planes on a torus; R_ji(s) = R_ij(-s).
+class CrossAutocovariance {
+  public:
+    CrossAutocovariance() = default;
+    /// \param even, odd  parts of R_ij, i <= j, row by row: R_ij(s) = even(s) - odd(s),
+    ///                   odd(-s) = -odd(s)
+    CrossAutocovariance(std::size_t planes, std::vector<Autocovariance> even,
+                        std::vector<Autocovariance> odd)
+        : planes_(planes), even_(std::move(even)), odd_(std::move(odd)) {}
+
+    [[nodiscard]] double operator()(std::size_t i, std::size_t j, int row, int col) const;
+    [[nodiscard]] const Autocovariance& plane(std::size_t i) const {
+        return even_[pair(i, i)];
+    }
+    [[nodiscard]] std::size_t planes() const { return planes_; }
+    [[nodiscard]] double sites() const { return even_.front().sites(); }
+    void pool(const CrossAutocovariance& other);
+    /// Autocovariance::resolved() for all pairs.
+    [[nodiscard]] CrossAutocovariance resolved() const;
+
+  private:
+    [[nodiscard]] std::size_t pair(std::size_t i, std::size_t j) const {
+        return i * planes_ - i * (i + 1) / 2 + j;
+    }
+    std::size_t planes_ = 0;
+    std::vector<Autocovariance> even_;
+    std::vector<Autocovariance> odd_;
+};
+
+/// The autocovariances of a plane on its own torus, about its mean.
+/// \param plane  of accepted FFT sizes
+[[nodiscard]] Result<Autocovariance> toroidal_autocovariance(PlaneView<const float> plane,
+                                                             int reach,
+                                                             Executor& executor);
 
 /// The autocovariances of every level of a pyramid whose levels, drawn independently and
 /// collapsed, have the power spectrum of `plane`.
@@ -66,5 +107,17 @@ class Autocovariance {
 /// \cost          O(MN log MN + MN·reach)
 [[nodiscard]] Result<std::vector<Autocovariance>> power_preserving_pyramid(
     PlaneView<const float> plane, std::size_t levels, int reach, Executor& executor);
+
+/// The cross-covariances of planes of one size on their own torus.
+[[nodiscard]] Result<CrossAutocovariance> toroidal_cross_autocovariance(
+    std::span<const PlaneView<const float>> planes, int reach, Executor& executor);
+
+/// The same for d planes and all their cross-spectra P_ij. The power of every plane is
+/// that of power_preserving_pyramid(); with g_i = B_ii / P_ii the share that a level must
+/// hold, the cross-spectrum is B_ij = P_ij √(g_i g_j): the coherence of the Gaussian
+/// level, and a matrix that stays positive.
+[[nodiscard]] Result<std::vector<CrossAutocovariance>> joint_power_preserving_pyramid(
+    std::span<const PlaneView<const float>> planes, std::size_t levels, int reach,
+    Executor& executor);
 
 }  // namespace sateen

@@ -41,7 +41,9 @@ struct ColourHistogram {
 
 /// Counts the pixels of an image (1 or 3 bands, linear sRGB) in kLabBins. NaN counts as
 /// the lowest value. \cost 2 to 3 ns a pixel
-[[nodiscard]] ColourHistogram colour_histogram(ImageView<const float> image);
+/// \param lightness  where L of every pixel is wanted: a contiguous plane of its size
+[[nodiscard]] ColourHistogram colour_histogram(ImageView<const float> image,
+                                               PlaneView<float> lightness = {});
 
 /// The mean of L, from the middles of the bins.
 [[nodiscard]] double mean_lightness(const ColourHistogram& histogram);

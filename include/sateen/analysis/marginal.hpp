@@ -14,13 +14,15 @@ namespace sateen {
 /// The distribution of one plane of one or more images.
 class MarginalDistribution {
   public:
-    /// \param planes  of the same factor, pooled
+    /// \param planes  of the same factor, pooled; values about 0, as decorrelated ones are:
+    ///                they are told apart to 0.2 % of themselves
     explicit MarginalDistribution(std::span<const PlaneView<const float>> planes);
 
     [[nodiscard]] double mean() const { return mean_; }
     [[nodiscard]] double standard_deviation() const { return deviation_; }
 
     /// y ← Φ⁻¹(F(y)) by mid-ranks: the plane with a standard normal marginal.
+    /// \param in  one of the planes of the constructor
     void gaussianise(PlaneView<const float> in, PlaneView<float> out) const;
 
     /// The least-squares curve through the quantiles,
@@ -42,6 +44,7 @@ class MarginalDistribution {
     };
     std::vector<std::uint32_t> bin_of_key_;
     std::vector<Bin> bins_;
+    double count_ = 0;
     double mean_ = 0;
     double deviation_ = 0;
 };

@@ -17,6 +17,7 @@ enum class NeighbourhoodRule {
     order,        ///< hierarchical half plane of an order
     correlation,  ///< the offsets of largest spatial correlation [SAR, GMRF]
     evidence,     ///< the hierarchical order of largest posterior evidence [CAR2]
+    forward,  ///< forward selection in a wide window, as long as the evidence grows
     nearest,  ///< {(0,1), (1,0), (1,1)}, the first `count` of them: [SAR]'s and [CAR2]'s
 };
 
@@ -25,26 +26,58 @@ struct NeighbourhoodOptions {
     NeighbourhoodRule rule = NeighbourhoodRule::evidence;
     /// The order, the number of offsets, the largest order tried, the number of sites.
     int value = 6;
+    friend bool operator==(const NeighbourhoodOptions&,
+                           const NeighbourhoodOptions&) = default;
 };
 
 /// \error invalid_argument  says what was found and what can be given
 [[nodiscard]] Result<NeighbourhoodOptions> parse_neighbourhood(std::string_view text);
 [[nodiscard]] std::string to_string(const NeighbourhoodOptions& options);
 
+/// Which random field models the levels.
+enum class FieldKind { automatic, car2d, gmrf2d, car3d, sar3d };
+
+[[nodiscard]] constexpr bool is_joint_kind(FieldKind kind) {
+    return kind == FieldKind::car3d || kind == FieldKind::sar3d;
+}
+
+/// "auto", "car2d", …
+[[nodiscard]] Result<FieldKind> parse_field_kind(std::string_view text);
+
+/// The planes that a three-dimensional model draws together.
+enum class Space {
+    kl,   ///< Karhunen-Loève factors
+    rgb,  ///< the channels themselves, as [SAR] does
+};
+
 struct AnalysisOptions {
+    /// automatic: of car2d and gmrf2d the one with the better Bayesian information, field
+    /// by field.
+    FieldKind field = FieldKind::automatic;
+    Space space = Space::kl;  ///< of car3d and sar3d
     /// Exactly what [CAR2] prints: few neighbours, at most 3 levels, no marginal curves,
     /// no power compensation, fit on interior sites, drawn by causal recursion.
     bool paper = false;
     /// Subspaces of a BTF, 1 … 20; 0 lets the segmentation choose.
     std::size_t subspaces = 0;
-    /// Levels of the pyramid, 1 … 8; 0: 5 where the sample has 512 pixels or more each
-    /// way, 4 from 128, fewer below; 3 in paper mode.
+    /// Levels of the pyramid, 1 … 8; 0: as many as leave the coarsest 16 pixels a side, at
+    /// most 5; 3 in paper mode.
     std::size_t levels = 0;
-    NeighbourhoodOptions neighbourhood;
+    NeighbourhoodOptions neighbourhood = {};
     Tone tone = Tone::srgb;
     std::uint64_t seed = 0;
     /// Go on past unreadable images.
     bool skip_bad = false;
+};
+
+/// What FieldKind::automatic chose, and what the alternatives would have been.
+struct FieldChoice {
+    std::size_t car2d = 0;  ///< fields of this model
+    std::size_t gmrf2d = 0;
+    double information_car2d = 0;  ///< Σ of the Bayesian information, were all car2d
+    double information_gmrf2d = 0;
+    double information = 0;  ///< as chosen
+    void add(const FieldChoice& other);
 };
 
 }  // namespace sateen

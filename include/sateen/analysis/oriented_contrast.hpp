@@ -14,9 +14,9 @@ namespace sateen {
 /// white noise its standard deviation.
 using OrientedContrast = std::array<double, 4>;
 
-/// Of an image of 1 or 3 bands, linear sRGB. L is rounded to 1/255 of its range, so that
-/// sums are of integers. Directions in which the image is too small give 0.
+/// Of a plane of L, 0 … 100; it is rounded to 1/255 of that range, so that the sums are of
+/// integers, and NaN counts as 0. Directions in which the plane is too small give 0.
 /// \cost about 1 ns a pixel
-[[nodiscard]] OrientedContrast oriented_contrast(ImageView<const float> image);
+[[nodiscard]] OrientedContrast oriented_contrast(PlaneView<const float> L);
 
 }  // namespace sateen

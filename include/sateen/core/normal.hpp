@@ -50,7 +50,7 @@ struct NoiseField {
 ///
 /// Same bits on every target, for any alignment and length. Rows and columns may be
 /// negative; col + out.size() must not exceed 2³¹. No value is larger than 6.67 in
-/// magnitude. \cost about 1.5 ns a value with AVX2 (docs/theory/noise.md)
+/// magnitude. \cost about 2.2 ns a value with AVX2, 1.4 with AVX-512 (docs/theory/noise.md)
 void draw_normals(NoiseField field, std::int32_t row, std::int32_t col,
                   std::span<float> out);
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sateen/core/direction.hpp"
@@ -55,9 +56,9 @@ struct Marginal {
     friend bool operator==(const Marginal&, const Marginal&) = default;
 };
 
-/// One level of the Gaussian-Laplacian pyramid: a field for every plane.
+/// One level of the Gaussian-Laplacian pyramid.
 struct Level {
-    std::vector<FieldModel> fields;
+    std::vector<FieldModel> fields;  ///< one for every plane, or one for all of them
     friend bool operator==(const Level&, const Level&) = default;
 };
 
@@ -111,6 +112,10 @@ struct Material {
     std::vector<Subspace> subspaces;
     friend bool operator==(const Material&, const Material&) = default;
 };
+
+/// A name, of a file for instance, as validate() accepts it: control characters and bytes
+/// that are not UTF-8 become '?', and what exceeds kMaxTextBytes is cut.
+[[nodiscard]] std::string valid_text(std::string_view text);
 
 /// Checks every count, index and number against the limits above.
 /// \error bad_format  names the field, what it holds and what was expected

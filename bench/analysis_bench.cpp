@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Making materials: of one photograph of 800 x 800, and, where one is given, of a whole
+// measurement against decoding its images once.
+//
+//     analysis_bench [ZIP|FOLDER]
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "figures.hpp"
+#include "generated.hpp"
+#include "sateen/io/executor.hpp"
+#include "sateen/io/open_measurement.hpp"
+
+namespace sateen::bench {
+namespace {
+
+void analyse_or_exit(const Measurement& measurement) {
+    SerialExecutor executor;
+    Progress progress;
+    (void)value_or_exit(analyse(measurement, {}, executor, progress));
+}
+
+Figure one_photograph() {
+    const GeneratedPhotograph photograph(800, 800);
+    Shortest shortest;
+    for (int i = 0; i < 5; ++i)
+        shortest.add(processor_seconds([&] { analyse_or_exit(photograph); }));
+    return {"photograph of 800 x 800",
+            shortest.seconds(),
+            "s",
+            1.0,
+            Figure::Bound::at_most,
+            {}};
+}
+
+std::unique_ptr<Measurement> open_or_exit(const std::string& path) {
+    return value_or_exit(open_measurement({&path, 1}));
+}
+
+/// One thread: the ratio is of work, not of how well it is spread.
+void whole_measurement(const std::string& path, std::vector<Figure>& figures) {
+    const auto decode = [&] {
+        SerialExecutor executor;
+        Progress progress;
+        const auto measurement = open_or_exit(path);
+        (void)value_or_exit(for_each_image(*measurement, false, executor, progress,
+                                           [](std::size_t, const Image&) {}));
+    };
+    const double modelling =
+        processor_seconds([&] { analyse_or_exit(*open_or_exit(path)); });
+    const double memory = peak_megabytes();
+    const double decoding = processor_seconds(decode);
+    figures.push_back({"measurement, to decoding its images once",
+                       modelling / decoding,
+                       "x",
+                       2.0,
+                       Figure::Bound::at_most,
+                       {{"model_s", modelling}, {"decode_s", decoding}}});
+    figures.push_back(
+        {"peak memory of a measurement", memory, "MB", 500, Figure::Bound::at_most, {}});
+}
+
+}  // namespace
+}  // namespace sateen::bench
+
+int main(int argc, char** argv) {
+    std::vector<sateen::bench::Figure> figures;
+    if (argc > 1) sateen::bench::whole_measurement(argv[1], figures);
+    figures.push_back(sateen::bench::one_photograph());
+    sateen::bench::print("analysis", figures);
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A photograph made in code, and its material.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "sateen/analysis/analyse.hpp"
+#include "sateen/measurement/measurement.hpp"
+#include "support/textures.hpp"
+
+namespace sateen::bench {
+
+/// Benchmarks have no use for an error but to end.
+template <class T>
+T value_or_exit(Result<T> result) {
+    if (result) return *std::move(result);
+    std::fprintf(stderr, "bench: error: %s\n", result.error().message.c_str());
+    std::exit(1);
+}
+
+inline void check_or_exit(const Result<void>& result) {
+    if (result) return;
+    std::fprintf(stderr, "bench: error: %s\n", result.error().message.c_str());
+    std::exit(1);
+}
+
+/// One colour photograph of overlapping discs, in memory.
+class GeneratedPhotograph final : public Measurement {
+  public:
+    GeneratedPhotograph(std::size_t rows, std::size_t cols)
+        : image_(test::discs(rows, cols, 1)) {
+        info_.name = "discs";
+        info_.layout = "photograph";
+        info_.rows = rows;
+        info_.cols = cols;
+        info_.bands = image_.bands();
+        info_.observations.resize(1);
+        info_.observations[0].name = "discs";
+    }
+    [[nodiscard]] const MeasurementInfo& info() const override { return info_; }
+    [[nodiscard]] Result<Image> read(std::size_t) const override { return image_; }
+
+  private:
+    Image image_;
+    MeasurementInfo info_;
+};
+
+/// The material of such a photograph, its one subspace repeated.
+inline Material generated_material(std::size_t subspaces, bool paper = false) {
+    const GeneratedPhotograph photograph(512, 512);
+    AnalysisOptions options;
+    options.paper = paper;
+    SerialExecutor executor;
+    Progress progress;
+    Material material =
+        value_or_exit(analyse(photograph, options, executor, progress)).material;
+    material.subspaces.resize(subspaces, material.subspaces.front());
+    return material;
+}
+
+}  // namespace sateen::bench

@@ -1,0 +1,264 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the benchmarks of a build, keeps bench/results.json, writes docs/results.md.
+
+    tools/make_results.py [--build build/dev] [--measurement ZIP] [--side 32768]
+    tools/make_results.py --only-write      docs/results.md from bench/results.json
+"""
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "bench" / "results.json"
+PAGE = ROOT / "docs" / "results.md"
+
+
+def output_of(*command):
+    return subprocess.run(
+        [str(c) for c in command], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout
+
+
+def say(text):
+    print(f"make_results: {text}", file=sys.stderr, flush=True)
+
+
+# --- where ------------------------------------------------------------------------------
+
+
+def machine():
+    cpu = re.search(r"model name\s*:\s*(.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    memory = re.search(r"MemTotal:\s*(\d+)", pathlib.Path("/proc/meminfo").read_text())
+    return {
+        "processor": cpu.group(1) if cpu else "unknown",
+        "threads": os.cpu_count(),
+        "memory_gb": round(int(memory.group(1)) / 2**20) if memory else None,
+        "load_before": round(os.getloadavg()[0], 1),
+    }
+
+
+def build_facts(build):
+    cache = (build / "CMakeCache.txt").read_text()
+    found = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_BUILD_TYPE):\w+=(.*)$", cache, re.M))
+    version = output_of(found["CMAKE_CXX_COMPILER"], "--version").splitlines()[0]
+    commit = output_of("git", "rev-parse", "--short", "HEAD").strip()
+    changed = output_of("git", "status", "--porcelain", "--", "src", "include", "bench")
+    return {
+        "compiler": version,
+        "build_type": found["CMAKE_BUILD_TYPE"],
+        "commit": commit + (" with changes" if changed.strip() else ""),
+        "date": datetime.date.today().isoformat(),
+    }
+
+
+# --- what -------------------------------------------------------------------------------
+
+
+def figure(name, value, unit, limit, bound="at_most", **details):
+    ok = value <= limit if bound == "at_most" else value >= limit
+    ratio = round(value / limit, 3)
+    return {
+        "name": name, "value": value, "unit": unit, bound: limit, "ratio": ratio, "ok": ok,
+        **details,
+    }  # fmt: skip
+
+
+def fft_figures(report):
+    for entry in report["fft"]:
+        if entry["size"] in (512, 1024):
+            yield figure(
+                f"transform of {entry['size']} x {entry['size']} to FFTW, measured plans",
+                entry["ratio"], "x", entry["limit"],
+                forward_ms=entry["forward_ms"], inverse_ms=entry["inverse_ms"],
+            )  # fmt: skip
+
+
+def noise_figures(report):
+    for target, entry in report["targets"].items():
+        if target == "AVX2":
+            yield figure(
+                "normals a second, AVX2, of a processor of 2.5 GHz",
+                entry["gnormals_per_s"], "G/s", report["limit_avx2"]["gnormals_per_s"],
+                "at_least", cycles_per_normal=entry["cycles_per_normal"],
+            )  # fmt: skip
+
+
+def recursion_figures(report):
+    for taps, entry in report["taps"].items():
+        yield figure(
+            f"car2d recursion of {taps} neighbours, 512 x 512, to its noise",
+            entry["texture_to_noise"], "x", report["limit_texture_to_noise"],
+            noise_ms=entry["noise_ms"], texture_ms=entry["texture_ms"],
+        )  # fmt: skip
+
+
+def own_figures(report):
+    return report["figures"]
+
+
+def timed(command):
+    """(seconds of processor time, peak megabytes, seconds on the wall) of a program."""
+    start = time.monotonic()
+    process = subprocess.Popen([str(c) for c in command], stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"make_results: error: {' '.join(map(str, command))} failed")
+    wall = time.monotonic() - start
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, wall
+
+
+def program_figures(program, side):
+    """The program writes a texture larger than memory to a PNG."""
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        photograph, material, png = folder / "p", folder / "p.sateen", folder / "t.png"
+        sys.path.insert(0, str(ROOT / "tests" / "cli"))
+        from support import photograph as make_photograph
+
+        photograph.write_bytes(make_photograph(256, 256))
+        timed([program, "model", photograph, "-o", material])
+        draw = [program, "synthesise", material, "-o", png, "--threads", "1", "--size"]
+        small = min(timed([*draw, 2048])[0] for _ in range(3)) / 2048**2
+        seconds, memory, wall = timed([*draw, side])
+        size = f"{side} x {side}"
+        yield figure(
+            f"program to PNG, time a pixel of {size} to that of 2048 x 2048",
+            round(seconds / side**2 / small, 3), "x", 1.3,
+            ns_a_pixel=round(1e9 * seconds / side**2, 1), wall_s=round(wall, 1),
+            file_mb=round(png.stat().st_size / 2**20),
+        )  # fmt: skip
+        yield figure(f"program to PNG, peak memory of {size}", round(memory), "MB", 300)
+
+
+def run_all(build, measurement, side):
+    figures = []
+
+    def add(title, command, read):
+        program = build / "bench" / command[0]
+        if not program.exists():
+            say(f"{command[0]} is not built, left out")
+            return
+        say(command[0])
+        report = json.loads(output_of(program, *command[1:]))
+        figures.append({"title": title, "figures": list(read(report))})
+
+    add("Kernels: Fourier transform", ["fft_bench"], fft_figures)
+    add("Kernels: noise", ["noise_bench"], noise_figures)
+    add("Kernels: recursion", ["causal_recursion_bench"], recursion_figures)
+    add("Drawing", ["synthesis_bench", side], own_figures)
+    add("Modelling", ["analysis_bench", *([measurement] if measurement else [])], own_figures)
+    say("sateen")
+    program = list(program_figures(build / "bin" / "sateen", side))
+    figures.append({"title": "The program", "figures": program})
+    return figures
+
+
+# --- the page ---------------------------------------------------------------------------
+
+
+def number(value):
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def table(figures):
+    lines = ["| what | measured | must | met | |", "|---|--:|--:|:-:|---|"]
+    known = {"name", "value", "unit", "at_most", "at_least", "ratio", "ok"}
+    for f in figures:
+        bound = "≤" if "at_most" in f else "≥"
+        limit = f.get("at_most", f.get("at_least"))
+        unit = "" if f["unit"] == "x" else " " + f["unit"]
+        times = " x" if f["unit"] == "x" else ""
+        rest = ", ".join(
+            f"{k.replace('_', ' ')} {number(v)}" for k, v in f.items() if k not in known
+        )
+        lines.append(
+            f"| {f['name']} | {number(f['value'])}{times}{unit} | {bound} {number(limit)}"
+            f"{times}{unit} | {'yes' if f['ok'] else '**no**'} | {rest} |"
+        )
+    return lines
+
+
+def beside_the_papers(sections):
+    """Rows of (what, ours, theirs)."""
+    found = {f["name"]: f for s in sections for f in s["figures"]}
+
+    def milliseconds(name, key):
+        return f"{number(found[name][key])} ms" if name in found else "not measured"
+
+    fifteen = "15 subspaces of 512 x 512, two threads"
+    recursion = "car2d recursion of 3 neighbours, 512 x 512, to its noise"
+    photograph = "photograph of 800 x 800"
+    seconds = found.get(photograph, {}).get("value")
+    return [
+        "| | Sateen, car2d, one thread | printed | of |",
+        "|---|--:|--:|---|",
+        f"| 15 subspaces of 512 x 512 | {milliseconds(fifteen, 'one_thread_ms')} "
+        "| 3 s | 2D CAR on an Athlon of 1.9 GHz [CAR2] |",
+        f"| colour texture of 512 x 512, 3 levels, recursion "
+        f"| {milliseconds(recursion, 'texture_ms')} "
+        "| 0.15 s | 3D CAR on two Pentiums of 2.8 GHz [SAR, table 1] |",
+        f"| analysis of a colour photograph of 800 x 800 "
+        f"| {number(1e3 * seconds) + ' ms' if seconds else 'not measured'} "
+        "| 0.55 s | the same |",
+    ]
+
+
+def page(results):
+    m, b = results["machine"], results["build"]
+    lines = [
+        "# Measured",
+        "",
+        "Made by one command, after `./test` has built the preset `dev`:",
+        "",
+        "    tools/make_results.py --measurement MEASUREMENT.zip",
+        "",
+        "It runs the programs of `bench/`, keeps what they print in `bench/results.json`, and "
+        "writes this page from it.",
+        "Without `--measurement` the figures of a whole measurement are left out.",
+        "",
+        "Figures marked x are ratios of two times measured in one run, each the shortest of "
+        "several, in processor time of one thread unless said. What must be reached is beside "
+        "them.",
+        "",
+        f"{m['processor']}, {m['threads']} threads, {m['memory_gb']} GB, load "
+        f"{m['load_before']} before; {b['compiler']}, {b['build_type']}; commit {b['commit']}; "
+        f"{b['date']}.",
+    ]
+    for section in results["sections"]:
+        lines += ["", f"## {section['title']}", "", *table(section["figures"])]
+    lines += ["", "## Beside the papers", "", *beside_the_papers(results["sections"])]
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "dev")
+    parser.add_argument("--measurement", type=pathlib.Path)
+    parser.add_argument("--side", type=int, default=32768)
+    parser.add_argument("--only-write", action="store_true")
+    arguments = parser.parse_args()
+    if not arguments.only_write:
+        build = arguments.build.resolve()
+        measurement = arguments.measurement and arguments.measurement.resolve()
+        results = {
+            "machine": machine(),
+            "build": build_facts(build),
+            "sections": run_all(build, measurement, arguments.side),
+        }
+        RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+    PAGE.write_text(page(json.loads(RESULTS.read_text())))
+    say(f"wrote {PAGE.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()
