@@ -25,10 +25,6 @@ struct HalfSpectrum {
     [[nodiscard]] Index rows() const { return S.rows(); }
 };
 
-/// Border bands of the periodic part: wide enough that ribs, threads and stitches average
-/// out.
-constexpr double kBorderShare = 0.125;
-
 double frequency(Index k, Index n) {
     return 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
 }
@@ -58,7 +54,7 @@ Result<Transform> transform(PlaneView<const float> plane, Executor& executor) {
 Result<Transform> transform_of_periodic_part(PlaneView<const float> plane,
                                              Executor& executor) {
     Image periodic(1, plane.rows, plane.cols);
-    SATEEN_CHECK(periodic_part(plane, periodic.plane(0), executor, kBorderShare));
+    SATEEN_CHECK(periodic_part(plane, periodic.plane(0), executor, kTextureBorderShare));
     return transform(periodic.plane(0), executor);
 }
 

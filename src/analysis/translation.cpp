@@ -6,14 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "sateen/analysis/autocovariance.hpp"
 #include "sateen/core/fft.hpp"
 #include "sateen/core/periodic_part.hpp"
 
 namespace sateen {
 namespace {
-
-/// The border bands of the periodic part, as in the power-preserving pyramid.
-constexpr double kBorderShare = 0.125;
 
 double curve(const Marginal& marginal, double g) {
     constexpr double kRange = static_cast<double>(Marginal::kRange);
@@ -44,8 +42,8 @@ CorrelationMap::CorrelationMap(const Marginal& marginal) {
     const double step = 2 * kSpan / kPoints;
     for (int i = 0; i <= kPoints; ++i) {
         const double g = -kSpan + step * i;
-        const double weight = step * std::exp(-g * g / 2) / std::sqrt(2 * std::numbers::pi) *
-                              curve(marginal, g);
+        const double weight = step * std::exp(-g * g / 2) /
+                              std::sqrt(2 * std::numbers::pi) * curve(marginal, g);
         double previous = 1;
         double present = g;
         for (std::size_t n = 1; n <= kTerms; ++n) {
@@ -65,8 +63,8 @@ CorrelationMap::CorrelationMap(const Marginal& marginal) {
     lowest_ = forward(-1);
     double rho = -1;
     for (std::size_t i = 0; i <= kTable; ++i) {
-        const double wanted =
-            lowest_ + (1 - lowest_) * static_cast<double>(i) / static_cast<double>(kTable);
+        const double wanted = lowest_ + (1 - lowest_) * static_cast<double>(i) /
+                                            static_cast<double>(kTable);
         double low = rho;
         double high = 1;
         for (int halving = 0; halving < 40; ++halving) {
@@ -94,7 +92,7 @@ double CorrelationMap::inverse(double correlation) const {
 Result<void> gaussian_behind_curve(PlaneView<const float> plane, const Marginal& marginal,
                                    PlaneView<float> out, Executor& executor) {
     SATEEN_TRY(const Fft2d fft, Fft2d::create(plane.rows, plane.cols));
-    SATEEN_CHECK(periodic_part(plane, out, executor, kBorderShare));
+    SATEEN_CHECK(periodic_part(plane, out, executor, kTextureBorderShare));
     SplitComplexPlane transform(fft.rows(), fft.spectrum_cols());
     fft.forward(out, transform.view(), executor);
     const SplitComplexView<float> p = transform.view();
@@ -108,22 +106,32 @@ Result<void> gaussian_behind_curve(PlaneView<const float> plane, const Marginal&
             S.re(m, n) = p.re(m, n) * p.re(m, n) + p.im(m, n) * p.im(m, n);
     to_correlation(fft, S, out, executor);
     const auto variance = static_cast<double>(out(0, 0));
-    if (!(variance > 0)) return Error{Errc::singular, "a constant plane has no correlations"};
+    if (!(variance > 0))
+        return Error{Errc::singular, "a constant plane has no correlations"};
 
     const CorrelationMap map(marginal);
     parallel_for(executor, out.rows, [&](std::size_t r) {
         for (std::size_t c = 0; c < out.cols; ++c)
-            out(r, c) =
-                static_cast<float>(map.inverse(static_cast<double>(out(r, c)) / variance));
+            out(r, c) = static_cast<float>(
+                map.inverse(static_cast<double>(out(r, c)) / variance));
     });
     fft.forward(out, S, executor);
 
-    // The map can leave small negative powers; a spectrum has none.
+    // The map can leave small negative powers; a spectrum has none, and what is cut off there
+    // must not raise the variance.
+    double total = 0;
+    for (std::size_t m = 0; m < fft.rows(); ++m)
+        for (std::size_t n = 0; n < fft.spectrum_cols(); ++n) {
+            S.re(m, n) = std::max(0.0F, S.re(m, n));
+            const bool alone = n == 0 || 2 * n == fft.cols();
+            total += (alone ? 1 : 2) * static_cast<double>(S.re(m, n));
+        }
+    const auto sites = static_cast<double>(plane.size());
+    const auto unit = static_cast<float>(sites * sites / total);
     for (std::size_t m = 0; m < fft.rows(); ++m)
         for (std::size_t n = 0; n < fft.spectrum_cols(); ++n) {
             const float power = p.re(m, n) * p.re(m, n) + p.im(m, n) * p.im(m, n);
-            const float wanted = std::max(0.0F, S.re(m, n)) * static_cast<float>(plane.size());
-            const float gain = power > 0 ? std::sqrt(wanted / power) : 0.0F;
+            const float gain = power > 0 ? std::sqrt(unit * S.re(m, n) / power) : 0.0F;
             p.re(m, n) *= gain;
             p.im(m, n) *= gain;
         }

@@ -100,6 +100,21 @@ TEST(ParseNeighbourhood, ReadsEveryRuleAndWritesItBack) {
     EXPECT_EQ(to_string(*parse_neighbourhood("auto")), to_string(NeighbourhoodOptions{}));
 }
 
+// A rib of period 6 (a_s at (0,6)) beside a weak neighbour: nothing else pays for itself.
+TEST(SelectForward, FindsALongPeriodAndStops) {
+    const Car2d ribs{{{0, 6}, {1, 0}}, {0.6F, 0.3F}, 1};
+    const auto exact =
+        reference::autocovariance_of_density(reference::density_on_torus(ribs, 96, 96));
+    Autocovariance R(2 * kMaxReach, 10000);
+    for (int row = 0; row <= R.reach(); ++row)
+        for (int col = -R.reach(); col <= R.reach(); ++col)
+            R.at(row, col) = exact(static_cast<std::size_t>(row),
+                                   static_cast<std::size_t>((col + 96) % 96));
+    EXPECT_THAT(select_forward(R, 20, kMaxReach),
+                UnorderedElementsAre(Offset{0, 6}, Offset{1, 0}));
+    EXPECT_EQ(select_forward(R, 1, kMaxReach), std::vector{(Offset{0, 6})});
+}
+
 TEST(ParseNeighbourhood, SaysWhatCanBeGiven) {
     const auto wrong = parse_neighbourhood("order:14");
     ASSERT_FALSE(wrong);

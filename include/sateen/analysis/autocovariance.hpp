@@ -15,6 +15,10 @@
 
 namespace sateen {
 
+/// Border bands of the periodic part of a texture, as a share of its size: wide enough that
+/// ribs, threads and stitches average out.
+inline constexpr double kTextureBorderShare = 0.125;
+
 /// R(s) = E Y_r Y_{r-s} of a zero-mean plane on a torus, for |s1|, |s2| <= reach.
 class Autocovariance {
   public:

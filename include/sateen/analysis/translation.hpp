@@ -31,7 +31,7 @@ class CorrelationMap {
   private:
     static constexpr std::size_t kTerms = 24;
     static constexpr std::size_t kTable = 4096;
-    std::array<double, kTerms> weights_{};       ///< c_n² / Σ c_n², n = 1, 2, …
+    std::array<double, kTerms> weights_{};      ///< c_n² / Σ c_n², n = 1, 2, …
     std::array<double, kTable + 1> inverse_{};  ///< over [C(-1), 1]
     double lowest_ = -1;
 };
@@ -50,6 +50,7 @@ class CorrelationMap {
 /// \cost         four Fourier transforms more than the plane's own
 [[nodiscard]] Result<void> gaussian_behind_curve(PlaneView<const float> plane,
                                                  const Marginal& marginal,
-                                                 PlaneView<float> out, Executor& executor);
+                                                 PlaneView<float> out,
+                                                 Executor& executor);
 
 }  // namespace sateen
