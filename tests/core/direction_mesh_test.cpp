@@ -225,13 +225,13 @@ TEST(DirectionMesh, ARingIsAPolygon) {
     std::vector<Direction> ring;
     for (int phi = 0; phi < 360; phi += 45)
         ring.push_back(direction_from_degrees(45, static_cast<float>(phi)));
-    expect_continuous(ring, 20000, 8);
+    expect_continuous(ring, 20000, 20);
     const auto mesh = DirectionMesh::create(ring);
     ASSERT_TRUE(mesh);
     EXPECT_EQ(mesh->triangles(), 6U);
     // On the horizon too.
     for (Direction& d : ring) d.theta = 90 * kRadiansPerDegree;
-    expect_continuous(ring, 20000, 100);
+    expect_continuous(ring, 20000, 400);
 }
 
 TEST(DirectionMesh, RepeatedDirectionsCountOnce) {
