@@ -16,6 +16,12 @@ std::size_t bytes(const Vectors*... vectors) {
     return (one(vectors) + ...);
 }
 
+std::size_t structure_bytes(const schema::Structure& s) {
+    return bytes(s.lattice(), s.field_deviations(), s.field_weights(), s.steps(),
+                 s.counts(), s.low_bytes(), s.high_bytes(), s.deviation_steps(),
+                 s.deviations(), s.curve_ranges(), s.curve_exponents(), s.curve_values());
+}
+
 }  // namespace
 
 Result<std::vector<PartBytes>> material_part_bytes(const Material& material) {
@@ -44,6 +50,8 @@ Result<std::vector<PartBytes>> material_part_bytes(const Material& material) {
         {"fields", bytes(subspaces.levels(), fields.models(), fields.neighbourhoods(),
                          fields.exponents(), fields.coefficients(), fields.variances())},
     };
+    if (const schema::Structure* structure = m.structure())
+        parts.push_back({"structure", structure_bytes(*structure)});
     // Tables, lengths of vectors and padding.
     const auto add = [](std::size_t sum, const PartBytes& part) {
         return sum + part.bytes;

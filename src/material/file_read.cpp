@@ -12,46 +12,15 @@
 #include "material/message.hpp"
 #include "material/quantise.hpp"
 #include "material/schema.hpp"
+#include "material/structure_file.hpp"
+#include "material/vectors.hpp"
 
 namespace sateen {
 namespace {
 
-// The root and its eight tables, with room for tables that later writers append.
+// The root and its nine tables, with room for tables that later writers append.
 constexpr flatbuffers::Verifier::Options kVerifierLimits{.max_depth = 3,
-                                                         .max_tables = 16};
-
-template <class T>
-std::size_t count(const flatbuffers::Vector<T>* vector) {
-    return vector == nullptr ? 0 : vector->size();
-}
-
-// An element, for an index that has been compared with the count.
-template <class T>
-T at(const flatbuffers::Vector<T>* vector, std::size_t i) {
-    return vector->Get(static_cast<flatbuffers::uoffset_t>(i));
-}
-
-template <class T>
-std::vector<float> floats(const flatbuffers::Vector<T>* vector, std::size_t first,
-                          std::size_t n) {
-    std::vector<float> out(n);
-    for (std::size_t i = 0; i < n; ++i) out[i] = at(vector, first + i);
-    return out;
-}
-
-std::vector<float> block(const flatbuffers::Vector<std::int16_t>* integers,
-                         std::size_t first, std::size_t n, int exponent) {
-    std::vector<float> out(n);
-    for (std::size_t i = 0; i < n; ++i)
-        out[i] = dequantise(at(integers, first + i), exponent);
-    return out;
-}
-
-Result<void> expect_at_most(std::string_view what, std::size_t found, std::size_t limit) {
-    if (found <= limit) return {};
-    return Error{Errc::limit_exceeded, std::string(what) + ": " + text(found) +
-                                           " entries, expected at most " + text(limit)};
-}
+                                                         .max_tables = 32};
 
 std::string unpack_string(const flatbuffers::String* string) {
     return string == nullptr ? std::string() : string->str();
@@ -350,6 +319,7 @@ Result<Material> unpack(const schema::Material& in) {
     SATEEN_TRY(out.index, unpack_index(*in.index(), out.lights.size(), out.views.size()));
     SATEEN_TRY(auto offsets, unpack_neighbourhoods(*in.neighbourhoods()));
     SATEEN_TRY(out.subspaces, SubspaceReader(in, std::move(offsets)).read());
+    if (in.structure() != nullptr) SATEEN_CHECK(unpack_structure(*in.structure(), out));
     return out;
 }
 

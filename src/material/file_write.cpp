@@ -7,6 +7,7 @@
 #include "material/message.hpp"
 #include "material/quantise.hpp"
 #include "material/schema.hpp"
+#include "material/structure_file.hpp"
 
 namespace sateen {
 namespace {
@@ -42,13 +43,6 @@ std::unique_ptr<schema::IndexT> pack_index(const Material& m) {
         out->views.push_back(entry.view);
     }
     return out;
-}
-
-void append_block(std::span<const float> values, std::vector<std::int16_t>& integers,
-                  std::vector<std::int8_t>& exponents) {
-    const int exponent = block_exponent(values);
-    exponents.push_back(static_cast<std::int8_t>(exponent));
-    for (const float value : values) integers.push_back(quantise(value, exponent));
 }
 
 // The tables over all subspaces, filled in one pass. Lists of offsets are stored once.
@@ -145,6 +139,7 @@ schema::MaterialT pack(const Material& m) {
     out.index = pack_index(m);
     SubspaceWriter writer(out);
     for (const Subspace& subspace : m.subspaces) writer.append(subspace);
+    if (m.structure) out.structure = pack_structure(m);
     return out;
 }
 

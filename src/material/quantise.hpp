@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "sateen/core/direction.hpp"
 
@@ -45,6 +46,15 @@ inline std::int16_t quantise(float value, int exponent) {
 
 inline float dequantise(std::int16_t q, int exponent) {
     return std::ldexp(static_cast<float>(q), exponent);
+}
+
+/// Quantises a block: appends its integers and its exponent.
+inline void append_block(std::span<const float> values,
+                         std::vector<std::int16_t>& integers,
+                         std::vector<std::int8_t>& exponents) {
+    const int exponent = block_exponent(values);
+    exponents.push_back(static_cast<std::int8_t>(exponent));
+    for (const float value : values) integers.push_back(quantise(value, exponent));
 }
 
 /// Radians to degrees on the grid of the file; direction_from_degrees() is the way back.

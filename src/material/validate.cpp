@@ -10,7 +10,9 @@
 #include <tuple>
 
 #include "material/message.hpp"
+#include "material/numbers.hpp"
 #include "material/quantise.hpp"
+#include "material/structure_file.hpp"
 #include "sateen/material/material.hpp"
 
 namespace sateen {
@@ -18,18 +20,6 @@ namespace {
 
 // Rows of T are computed in double and stored as float; more than this is not rounding.
 constexpr float kOrthonormalTolerance = 1e-3F;
-
-Result<void> check_range(std::string_view what, float value, float low, float high) {
-    if (value >= low && value <= high) return {};  // false for NaN
-    return bad_format(what, ": ", text(value), ", expected ", text(low), " to ",
-                      text(high));
-}
-
-Result<void> check_numbers(std::string_view what, std::span<const float> values) {
-    for (const float value : values)
-        SATEEN_CHECK(check_range(what, value, -kMaxMagnitude, kMaxMagnitude));
-    return {};
-}
 
 Result<void> check_below(std::string_view what, std::size_t value, std::size_t count) {
     if (value < count) return {};
@@ -316,7 +306,7 @@ Result<void> validate(const Material& material) {
     for (std::size_t i = 0; i < material.subspaces.size(); ++i)
         SATEEN_CHECK(
             in_element("subspace", i, check_subspace(material, material.subspaces[i])));
-    return {};
+    return validate_structure(material);
 }
 
 }  // namespace sateen

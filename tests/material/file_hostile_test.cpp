@@ -81,7 +81,9 @@ TEST(HostilePayload, ExtraBytesAreRejected) {
 }
 
 TEST(HostilePayload, EveryAlteredByteIsHandled) {
-    for (const Material& m : {valid_material(), random_material({.levels = 2})}) {
+    for (const Material& m :
+         {valid_material(), random_material({.levels = 2}),
+          random_material({.levels = 1, .order = 1, .structure = true})}) {
         Bytes payload = *write_material(m);
         for (std::size_t i = 0; i < payload.size(); ++i)
             for (const int mask :

@@ -168,7 +168,7 @@ TEST(MaterialFile, PartsAddUpToThePayload) {
         std::size_t sum = 0;
         for (const PartBytes& part : *parts) sum += part.bytes;
         EXPECT_EQ(sum, written(m).size());
-        EXPECT_LT(parts->back().bytes, 600U) << "tables and lengths";
+        EXPECT_LT(parts->back().bytes, 680U) << "tables and lengths";
     }
 }
 

@@ -26,6 +26,7 @@ struct RandomMaterialOptions {
     bool complete = true;  ///< every pair of directions is measured
     /// Of the fields, by number in FieldModel; joint ones draw all planes.
     std::size_t model = 0;
+    bool structure = false;  ///< a periodic layer
 };
 
 class RandomMaterial {
@@ -48,6 +49,7 @@ class RandomMaterial {
         fill_index(m);
         for (std::size_t i = 0; i < options_.subspaces; ++i)
             m.subspaces.push_back(subspace(m));
+        if (options_.structure) fill_structure(m);
         return m;
     }
 
@@ -91,6 +93,48 @@ class RandomMaterial {
         out.spectral.T = rotation(m.bands);
         for (std::size_t i = 0; i < m.bands; ++i) out.marginals.push_back(marginal());
         for (std::size_t i = 0; i < options_.levels; ++i) out.levels.push_back(level());
+        return out;
+    }
+
+    SmoothField smooth_field() {
+        SmoothField out;
+        out.deviation = uniform(0.1F, 3);
+        for (std::uint8_t& weight : out.weights)
+            weight = static_cast<std::uint8_t>(below(256));
+        return out;
+    }
+
+    void fill_structure(Material& m) {
+        PeriodicLayer layer;
+        layer.a = {uniform(-3, 3), uniform(12, 14)};
+        layer.b = {uniform(20, 24), uniform(-5, 5)};
+        layer.rows = 13;
+        layer.cols = 22;
+        layer.spacing = 8;
+        layer.displacement = {smooth_field(), smooth_field()};
+        m.structure = Structure{layer};
+        for (Subspace& subspace : m.subspaces) {
+            subspace.structure.emplace();
+            for (std::size_t plane = 0; plane < m.bands; ++plane)
+                subspace.structure->cells.push_back(cell(layer));
+        }
+    }
+
+    PeriodicCell cell(const PeriodicLayer& layer) {
+        PeriodicCell out;
+        out.step = uniform(0.0001F, 0.001F);
+        for (std::size_t i = 0; i < 41; ++i)
+            out.coefficients.push_back(
+                static_cast<std::int16_t>(static_cast<int>(below(601)) - 300));
+        out.deviation_step = uniform(0.005F, 0.02F);
+        const std::size_t sites = deviation_side(layer.rows) * deviation_side(layer.cols);
+        for (std::size_t i = 0; i < sites; ++i)
+            out.deviations.push_back(static_cast<std::uint8_t>(below(256)));
+        out.curve.low = uniform(-1, -0.5F);
+        out.curve.high = uniform(0.5F, 1);
+        for (std::size_t i = 0; i < ToneCurve::kKnots; ++i)
+            out.curve.values.push_back(static_cast<float>(below(2049)) / 1024 - 1);
+        std::ranges::sort(out.curve.values);
         return out;
     }
 
@@ -207,6 +251,9 @@ inline std::vector<Material> assorted_materials() {
         random_material({.seed = 6, .subspaces = 2, .order = 4, .model = 2}),
         random_material({.seed = 7, .levels = 2, .explicit_offsets = true, .model = 3}),
         random_material({.seed = 8, .levels = 3, .bands = 1, .model = 3}),
+        random_material({.seed = 9, .structure = true}),
+        random_material(
+            {.seed = 10, .subspaces = 2, .views = 2, .lights = 2, .structure = true}),
     };
 }
 

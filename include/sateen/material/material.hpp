@@ -14,6 +14,7 @@
 #include "sateen/core/direction.hpp"
 #include "sateen/core/result.hpp"
 #include "sateen/material/field_model.hpp"
+#include "sateen/material/structure.hpp"
 
 namespace sateen {
 
@@ -70,6 +71,7 @@ struct Subspace {
     SpectralTransform spectral;
     std::vector<Marginal> marginals;  ///< (d)
     std::vector<Level> levels;        ///< finest first; the last is the low-pass residue
+    std::optional<SubspaceStructure> structure;  ///< where the material has one
     friend bool operator==(const Subspace&, const Subspace&) = default;
 };
 
@@ -110,6 +112,7 @@ struct Material {
     std::vector<Direction> lights;
     std::vector<IndexEntry> index;  ///< ascending by (light, view), without repetition
     std::vector<Subspace> subspaces;
+    std::optional<Structure> structure;  ///< what stationary fields cannot hold
     friend bool operator==(const Material&, const Material&) = default;
 };
 
