@@ -52,6 +52,8 @@ Result<std::vector<PartBytes>> material_part_bytes(const Material& material) {
     };
     if (const schema::Structure* structure = m.structure())
         parts.push_back({"structure", structure_bytes(*structure)});
+    if (const auto* surface = m.surface())
+        parts.push_back({"surface", bytes(surface->low(), surface->high())});
     // Tables, lengths of vectors and padding.
     const auto add = [](std::size_t sum, const PartBytes& part) {
         return sum + part.bytes;

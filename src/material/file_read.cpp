@@ -13,6 +13,7 @@
 #include "material/quantise.hpp"
 #include "material/schema.hpp"
 #include "material/structure_file.hpp"
+#include "material/surface_file.hpp"
 #include "material/vectors.hpp"
 
 namespace sateen {
@@ -320,6 +321,9 @@ Result<Material> unpack(const schema::Material& in) {
     SATEEN_TRY(auto offsets, unpack_neighbourhoods(*in.neighbourhoods()));
     SATEEN_TRY(out.subspaces, SubspaceReader(in, std::move(offsets)).read());
     if (in.structure() != nullptr) SATEEN_CHECK(unpack_structure(*in.structure(), out));
+    if (in.surface() != nullptr) {
+        SATEEN_TRY(out.surface, unpack_surface(*in.surface()));
+    }
     return out;
 }
 

@@ -8,6 +8,7 @@
 #include "material/quantise.hpp"
 #include "material/schema.hpp"
 #include "material/structure_file.hpp"
+#include "material/surface_file.hpp"
 
 namespace sateen {
 namespace {
@@ -140,6 +141,7 @@ schema::MaterialT pack(const Material& m) {
     SubspaceWriter writer(out);
     for (const Subspace& subspace : m.subspaces) writer.append(subspace);
     if (m.structure) out.structure = pack_structure(m);
+    if (m.surface) out.surface = pack_surface(*m.surface);
     return out;
 }
 

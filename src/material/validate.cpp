@@ -306,7 +306,9 @@ Result<void> validate(const Material& material) {
     for (std::size_t i = 0; i < material.subspaces.size(); ++i)
         SATEEN_CHECK(
             in_element("subspace", i, check_subspace(material, material.subspaces[i])));
-    return validate_structure(material);
+    SATEEN_CHECK(validate_structure(material));
+    if (material.surface) SATEEN_CHECK(validate(*material.surface));
+    return {};
 }
 
 }  // namespace sateen

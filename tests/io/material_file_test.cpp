@@ -210,7 +210,8 @@ struct Golden {
 std::vector<Golden> golden_files() {
     return {{"photograph.sateen", test::golden_photograph()},
             {"grid.sateen", test::golden_grid()},
-            {"incomplete.sateen", test::golden_incomplete()}};
+            {"incomplete.sateen", test::golden_incomplete()},
+            {"surface.sateen", test::golden_surface()}};
 }
 
 TEST(GoldenMaterial, FilesOfVersion1HoldWhatTheyHeld) {

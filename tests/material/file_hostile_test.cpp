@@ -31,7 +31,8 @@ Material valid_material() {
                             .explicit_offsets = true,
                             .views = 3,
                             .lights = 2,
-                            .complete = true});
+                            .complete = true,
+                            .tiles = 2});
 }
 
 // Writes, changes the tables and reads.
@@ -190,6 +191,28 @@ TEST(HostilePayload, CountsThatDoNotFitTogetherAreRejected) {
         {"end too early", [](auto& t) { t.fields->variances.pop_back(); }},
         {"fields.coefficients: ", [](auto& t) { t.fields->coefficients.push_back(0); }},
         {"fields.variances: 13", [](auto& t) { t.fields->variances.push_back(0); }},
+    });
+}
+
+TEST(HostilePayload, SurfacesThatDoNotFitTogetherAreRejected) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    expect_each_is_rejected({
+        {"surface.low: 285", [](auto& t) { t.surface->low.pop_back(); }},
+        {"surface.high: 287", [](auto& t) { t.surface->high.push_back(0); }},
+        {"surface.tiles: 9 entries", [](auto& t) { t.surface->tiles = 9; }},
+        {"surface.tiles: 0, expected",
+         [](auto& t) {
+             t.surface->tiles = 0;
+             t.surface->low.clear(), t.surface->high.clear();
+         }},
+        {"surface.low: 286 entries, expected 0", [](auto& t) { t.surface->rows = 0; }},
+        {"surface.low: 286 entries, expected 1441770",
+         [](auto& t) { t.surface->rows = 0xFFFF, t.surface->cols = 11; }},
+        {"expected at most 2097152",
+         [](auto& t) { t.surface->rows = t.surface->cols = 0xFFFF; }},
+        {"surface.shear_px: 13", [](auto& t) { t.surface->shear = 13; }},
+        {"surface.offset_px: nan", [](auto& t) { t.surface->offset = kNan; }},
+        {"surface.scale_px: -1", [](auto& t) { t.surface->scale = -1; }},
     });
 }
 

@@ -81,4 +81,18 @@ inline Material golden_incomplete() {
     return m;
 }
 
+/// The photograph with a range map: two tiles of 3 x 4 in a sheared lattice, whose codes use
+/// all 16 bits.
+inline Material golden_surface() {
+    Material m = golden_photograph();
+    m.provenance.name = "surface";
+    m.surface = Surface{3, 4, 1, -0.5F, 1.0F / 1024, true, {}};
+    for (const int step : {5461, 40503}) {
+        auto& tile = m.surface->tiles.emplace_back();
+        for (int i = 0; i < 12; ++i)
+            tile.push_back(static_cast<std::uint16_t>(i * step & 0xFFFF));
+    }
+    return m;
+}
+
 }  // namespace sateen::test

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sateen/material/material.hpp"
+#include "support/surfaces.hpp"
 
 namespace sateen::test {
 
@@ -27,6 +28,7 @@ struct RandomMaterialOptions {
     /// Of the fields, by number in FieldModel; joint ones draw all planes.
     std::size_t model = 0;
     bool structure = false;  ///< a periodic layer
+    std::size_t tiles = 0;  ///< of the range map; 0 for none
 };
 
 class RandomMaterial {
@@ -50,6 +52,10 @@ class RandomMaterial {
         for (std::size_t i = 0; i < options_.subspaces; ++i)
             m.subspaces.push_back(subspace(m));
         if (options_.structure) fill_structure(m);
+        if (options_.tiles != 0)
+            m.surface = random_surface({.seed = engine_(),
+                                        .shear_px = static_cast<std::uint32_t>(below(13)),
+                                        .tiles = options_.tiles});
         return m;
     }
 
@@ -254,6 +260,7 @@ inline std::vector<Material> assorted_materials() {
         random_material({.seed = 9, .structure = true}),
         random_material(
             {.seed = 10, .subspaces = 2, .views = 2, .lights = 2, .structure = true}),
+        random_material({.seed = 11, .levels = 2, .views = 2, .lights = 3, .tiles = 4}),
     };
 }
 

@@ -15,6 +15,7 @@
 #include "sateen/core/result.hpp"
 #include "sateen/material/field_model.hpp"
 #include "sateen/material/structure.hpp"
+#include "sateen/material/surface.hpp"
 
 namespace sateen {
 
@@ -113,6 +114,7 @@ struct Material {
     std::vector<IndexEntry> index;  ///< ascending by (light, view), without repetition
     std::vector<Subspace> subspaces;
     std::optional<Structure> structure;  ///< what stationary fields cannot hold
+    std::optional<Surface> surface;  ///< the range map, where one was estimated
     friend bool operator==(const Material&, const Material&) = default;
 };
 
