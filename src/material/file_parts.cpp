@@ -54,6 +54,10 @@ Result<std::vector<PartBytes>> material_part_bytes(const Material& material) {
         parts.push_back({"structure", structure_bytes(*structure)});
     if (const auto* surface = m.surface())
         parts.push_back({"surface", bytes(surface->low(), surface->high())});
+    if (const schema::Reflectance* r = m.reflectance())
+        parts.push_back({"reflectance",
+                         bytes(r->base(), r->base_exponents(), r->lights(),
+                               r->light_exponents(), r->views(), r->view_exponents())});
     // Tables, lengths of vectors and padding.
     const auto add = [](std::size_t sum, const PartBytes& part) {
         return sum + part.bytes;

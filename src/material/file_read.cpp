@@ -11,6 +11,7 @@
 
 #include "material/message.hpp"
 #include "material/quantise.hpp"
+#include "material/reflectance_file.hpp"
 #include "material/schema.hpp"
 #include "material/structure_file.hpp"
 #include "material/surface_file.hpp"
@@ -324,6 +325,8 @@ Result<Material> unpack(const schema::Material& in) {
     if (in.surface() != nullptr) {
         SATEEN_TRY(out.surface, unpack_surface(*in.surface()));
     }
+    if (in.reflectance() != nullptr)
+        SATEEN_CHECK(unpack_reflectance(*in.reflectance(), out));
     return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "material/message.hpp"
 #include "material/quantise.hpp"
+#include "material/reflectance_file.hpp"
 #include "material/schema.hpp"
 #include "material/structure_file.hpp"
 #include "material/surface_file.hpp"
@@ -142,6 +143,7 @@ schema::MaterialT pack(const Material& m) {
     for (const Subspace& subspace : m.subspaces) writer.append(subspace);
     if (m.structure) out.structure = pack_structure(m);
     if (m.surface) out.surface = pack_surface(*m.surface);
+    if (m.reflectance) out.reflectance = pack_reflectance(m);
     return out;
 }
 

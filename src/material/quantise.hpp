@@ -28,13 +28,14 @@ inline constexpr int kMinExponent = -126;
 inline constexpr double kAngleSteps = 4096;
 
 /// The exponent of a block; 0 for one that is zero or too small to be represented.
-inline int block_exponent(std::span<const float> values) {
+/// \param bits  of the magnitudes: 15, or 7 for blocks of bytes
+inline int block_exponent(std::span<const float> values, int bits = 15) {
     float largest = 0;
     for (const float value : values) largest = std::max(largest, std::abs(value));
     int binade = 0;
     std::frexp(largest, &binade);
-    const bool vanishes = largest == 0 || binade - 15 < kMinExponent;
-    return vanishes ? 0 : binade - 15;
+    const bool vanishes = largest == 0 || binade - bits < kMinExponent;
+    return vanishes ? 0 : binade - bits;
 }
 
 inline std::int16_t quantise(float value, int exponent) {
@@ -48,6 +49,11 @@ inline float dequantise(std::int16_t q, int exponent) {
     return std::ldexp(static_cast<float>(q), exponent);
 }
 
+inline std::int8_t quantise_byte(float value, int exponent) {
+    const float q = std::round(std::ldexp(value, -exponent));
+    return static_cast<std::int8_t>(std::clamp(q, -127.0F, 127.0F));
+}
+
 /// Quantises a block: appends its integers and its exponent.
 inline void append_block(std::span<const float> values,
                          std::vector<std::int16_t>& integers,
@@ -55,6 +61,16 @@ inline void append_block(std::span<const float> values,
     const int exponent = block_exponent(values);
     exponents.push_back(static_cast<std::int8_t>(exponent));
     for (const float value : values) integers.push_back(quantise(value, exponent));
+}
+
+/// The same in 8 bits: 2^6 ≤ max |q| < 2^7.
+inline void append_byte_block(std::span<const float> values,
+                              std::vector<std::int8_t>& integers,
+                              std::vector<std::int8_t>& exponents) {
+    const int exponent = block_exponent(values, 7);
+    exponents.push_back(static_cast<std::int8_t>(exponent));
+    for (const float value : values)
+        integers.push_back(quantise_byte(value, exponent));
 }
 
 /// Radians to degrees on the grid of the file; direction_from_degrees() is the way back.

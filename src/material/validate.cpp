@@ -12,6 +12,7 @@
 #include "material/message.hpp"
 #include "material/numbers.hpp"
 #include "material/quantise.hpp"
+#include "material/reflectance_file.hpp"
 #include "material/structure_file.hpp"
 #include "sateen/material/material.hpp"
 
@@ -308,7 +309,7 @@ Result<void> validate(const Material& material) {
             in_element("subspace", i, check_subspace(material, material.subspaces[i])));
     SATEEN_CHECK(validate_structure(material));
     if (material.surface) SATEEN_CHECK(validate(*material.surface));
-    return {};
+    return validate_reflectance(material);
 }
 
 }  // namespace sateen

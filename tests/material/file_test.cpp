@@ -60,6 +60,18 @@ void expect_close(const Material& read, Material m) {
             }
         }
     }
+    if (m.reflectance) {
+        // At most half a step of the largest value of each component or channel.
+        const auto expect_near = [](const auto& found, auto& expected, float tolerance) {
+            ASSERT_EQ(found.size(), expected.size());
+            for (std::size_t i = 0; i < found.size(); ++i)
+                EXPECT_NEAR(found[i], expected[i], tolerance);
+            expected = found;
+        };
+        expect_near(read.reflectance->base, m.reflectance->base, 1.0F / 65536);
+        expect_near(read.reflectance->lights, m.reflectance->lights, 1.0F / 128);
+        expect_near(read.reflectance->views, m.reflectance->views, 0.125F / 128);
+    }
     EXPECT_TRUE(read == m);
 }
 

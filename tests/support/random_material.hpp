@@ -29,6 +29,7 @@ struct RandomMaterialOptions {
     std::size_t model = 0;
     bool structure = false;  ///< a periodic layer
     std::size_t tiles = 0;  ///< of the range map; 0 for none
+    std::size_t rank = 0;    ///< of a reflectance, where not 0
 };
 
 class RandomMaterial {
@@ -56,6 +57,7 @@ class RandomMaterial {
             m.surface = random_surface({.seed = engine_(),
                                         .shear_px = static_cast<std::uint32_t>(below(13)),
                                         .tiles = options_.tiles});
+        if (options_.rank != 0) m.reflectance = reflectance(m);
         return m;
     }
 
@@ -99,6 +101,19 @@ class RandomMaterial {
         out.spectral.T = rotation(m.bands);
         for (std::size_t i = 0; i < m.bands; ++i) out.marginals.push_back(marginal());
         for (std::size_t i = 0; i < options_.levels; ++i) out.levels.push_back(level());
+        return out;
+    }
+
+    Reflectance reflectance(const Material& m) {
+        Reflectance out;
+        out.channels = m.bands + 1;
+        out.rank = static_cast<std::uint32_t>(options_.rank);
+        const std::size_t columns = m.views.size() * out.channels;
+        for (std::size_t i = 0; i < columns; ++i) out.base.push_back(uniform(0, 1));
+        for (std::size_t i = 0; i < m.lights.size() * options_.rank; ++i)
+            out.lights.push_back(uniform(-1, 1));
+        for (std::size_t i = 0; i < columns * options_.rank; ++i)
+            out.views.push_back(uniform(-0.1F, 0.1F));
         return out;
     }
 
@@ -261,6 +276,15 @@ inline std::vector<Material> assorted_materials() {
         random_material(
             {.seed = 10, .subspaces = 2, .views = 2, .lights = 2, .structure = true}),
         random_material({.seed = 11, .levels = 2, .views = 2, .lights = 3, .tiles = 4}),
+        random_material(
+            {.seed = 12, .subspaces = 2, .views = 7, .lights = 5, .rank = 3}),
+        random_material({.seed = 13,
+                         .levels = 2,
+                         .bands = 1,
+                         .views = 1,
+                         .lights = 9,
+                         .complete = false,
+                         .rank = 16}),
     };
 }
 

@@ -14,6 +14,7 @@
 #include "sateen/core/direction.hpp"
 #include "sateen/core/result.hpp"
 #include "sateen/material/field_model.hpp"
+#include "sateen/material/reflectance.hpp"
 #include "sateen/material/structure.hpp"
 #include "sateen/material/surface.hpp"
 
@@ -115,6 +116,7 @@ struct Material {
     std::vector<Subspace> subspaces;
     std::optional<Structure> structure;  ///< what stationary fields cannot hold
     std::optional<Surface> surface;  ///< the range map, where one was estimated
+    std::optional<Reflectance> reflectance;  ///< of every pair of views and lights
     friend bool operator==(const Material&, const Material&) = default;
 };
 
