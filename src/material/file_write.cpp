@@ -98,7 +98,7 @@ class SubspaceWriter {
     }
 
     std::uint16_t number_of(const std::vector<Offset>& offsets) {
-        const auto known = std::ranges::find(known_, offsets);
+        const auto known = std::find(known_.begin(), known_.end(), offsets);
         const auto number = static_cast<std::uint16_t>(known - known_.begin());
         if (known == known_.end()) append_neighbourhood(offsets);
         return number;

@@ -4,6 +4,8 @@
 
 #include <charconv>
 #include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -14,7 +16,15 @@ namespace sateen {
 /// The shortest decimal number that reads back as the value, in any locale.
 inline std::string text(float value) {
     char buffer[32];
+#ifdef __cpp_lib_to_chars
     return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+#else
+    // libc++ before 17, as WebAssembly has it, where there is no locale but "C".
+    int digits = 1;
+    do std::snprintf(buffer, sizeof buffer, "%.*g", digits, static_cast<double>(value));
+    while (std::strtof(buffer, nullptr) != value && ++digits <= 9);
+    return buffer;
+#endif
 }
 inline std::string text(std::size_t value) {
     return std::to_string(value);

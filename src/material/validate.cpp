@@ -157,7 +157,7 @@ Result<void> check_marginal(const Marginal& marginal) {
         SATEEN_CHECK(
             expect_count("marginal knots", marginal.knots.size(), Marginal::kKnots));
     SATEEN_CHECK(check_numbers("marginal knots", marginal.knots));
-    const auto fall = std::ranges::is_sorted_until(marginal.knots);
+    const auto fall = std::is_sorted_until(marginal.knots.begin(), marginal.knots.end());
     if (fall != marginal.knots.end())
         return bad_format("marginal knots: ", text(*fall), " after ",
                           text(*std::prev(fall)), ", expected no descent");
@@ -181,7 +181,8 @@ Result<void> check_neighbourhood(std::span<const Offset> offsets, Support suppor
         if (support == Support::causal && !is_causal(s))
             return fail("expected one of the causal half plane");
         if (s == Offset{0, 0}) return fail("expected another site");
-        if (std::ranges::count(offsets.first(i), s) != 0) return fail("repeated");
+        const auto before = offsets.first(i);
+        if (std::count(before.begin(), before.end(), s) != 0) return fail("repeated");
     }
     return {};
 }

@@ -55,6 +55,12 @@ bool fits_one_transform(const SynthesisOptions& options) {
            options.rows * options.cols <= kWholeTextureSites;
 }
 
+/// From fields to reflectance, unless the caller wants the fields.
+void finish_planes(const Subspace& subspace, const SynthesisOptions& options,
+                   ImageView<float> planes, Executor& executor) {
+    if (!options.fields_only) invert_spectral(subspace, planes, executor);
+}
+
 /// Shifts and scales a plane to mean 0 and variance 1; leaves a constant one.
 void standardise(PlaneView<float> plane) {
     double sum = 0;
@@ -209,7 +215,7 @@ Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
         Image strip(bands, count, options.cols);
         SATEEN_CHECK(planes.draw(options.seed, static_cast<std::int32_t>(at),
                                  options.offset_col, strip.view(), executor));
-        invert_spectral(subspace, strip.view(), executor);
+        finish_planes(subspace, options, strip.view(), executor);
         SATEEN_CHECK(sink(row, strip.view()));
         row += count;
         progress.report(static_cast<double>(row), static_cast<double>(options.rows));
@@ -234,7 +240,7 @@ Result<void> draw_periodic(const Material& material, const Subspace& subspace,
     SATEEN_CHECK(planes.draw(options.seed, 0, 0, whole.view(), executor));
     for (std::size_t plane = 0; plane < whole.bands(); ++plane)
         standardise(whole.plane(plane));
-    invert_spectral(subspace, whole.view(), executor);
+    finish_planes(subspace, options, whole.view(), executor);
     progress.report(1, 1);
     return sink(0, whole.view());
 }
@@ -254,7 +260,7 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
         SATEEN_TRY(const ToroidalNoise noise,
                    ToroidalNoise::create(material, options, executor));
         Image texture = noise.draw(material, subspace, executor);
-        invert_spectral(subspace, texture.view(), executor);
+        finish_planes(subspace, options, texture.view(), executor);
         progress.report(1, 1);
         return sink(0, texture.view());
     }
@@ -308,7 +314,7 @@ Result<void> synthesise_tiles(
         if (noise) {
             const Subspace& subspace = material.subspaces[subspaces[i]];
             texture = noise->draw(material, subspace, executor);
-            invert_spectral(subspace, texture.view(), executor);
+            finish_planes(subspace, options, texture.view(), executor);
         } else {
             Progress silent;
             SATEEN_TRY(texture,

@@ -14,6 +14,7 @@
 #include "support/progress.hpp"
 #include "support/random_material.hpp"
 #include "support/threaded_executor.hpp"
+#include "synthesis/appearance.hpp"
 
 namespace sateen {
 namespace {
@@ -71,6 +72,18 @@ const std::array<SynthesisOptions, 5> kWays = {
     SynthesisOptions{.rows = 44, .cols = 28, .tileable = true},  // the same, two lattices
     SynthesisOptions{.rows = 30, .cols = 41, .offset_row = -7, .offset_col = 9},
     SynthesisOptions{.rows = 30, .cols = 41, .offset_col = -20, .recursive = true}};
+
+TEST(Synthesise, DrawsTheFieldsThatBecomeTheTexture) {
+    const Material material = colourful();
+    for (SynthesisOptions options : kWays) {
+        const Image texture = draw(material, options);
+        options.fields_only = true;
+        Image fields = draw(material, options);
+        SerialExecutor executor;
+        invert_spectral(material.subspaces[0], fields.view(), executor);
+        expect_equal(fields, texture);
+    }
+}
 
 TEST(Synthesise, GivesTheSameBytesForAnyNumberOfThreads) {
     const Material material = colourful();

@@ -30,6 +30,9 @@ struct SynthesisOptions {
     bool tileable = false;
     /// Draw by causal recursion where the fields allow it, as paper-mode materials do.
     bool recursive = false;
+    /// Leave out the appearance: standard normal fields, one a plane, for a renderer that
+    /// applies marginal curves and spectral transform itself.
+    bool fields_only = false;
     std::uint64_t seed = 0;
 };
 
