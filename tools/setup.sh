@@ -7,6 +7,9 @@ BUILD_PACKAGES="g++ cmake ninja-build pkg-config libhwy-dev libflatbuffers-dev
     libopenexr-dev libtiff-dev libzip-dev libcli11-dev libfmt-dev nlohmann-json3-dev"
 # What the tests need besides.
 TEST_PACKAGES="libgtest-dev libgmock-dev libfftw3-dev librandom123-dev python3"
+# What the viewer needs: a compiler to WebAssembly, and a browser to test in.
+WASM_PACKAGES="emscripten"
+BROWSER_PACKAGES="chromium fonts-dejavu-core"
 # What .ci/run needs besides.
 CI_PACKAGES="clang-14 libclang-rt-14-dev"
 
@@ -38,6 +41,24 @@ install_missing() {
         DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq \
             --no-install-recommends $missing; } > "$LOG_DIR/install.log" 2>&1 ||
         die "could not install$missing: see $LOG_DIR/install.log"
+}
+
+# install_node: any Node from 18 with npm will do; the distribution's where there is none.
+install_node() {
+    if command -v npm > /dev/null &&
+        [ "$(node -p 'Number(process.versions.node.split(".")[0]) >= 18' 2> /dev/null)" = true ]; then
+        return
+    fi
+    install_missing nodejs npm
+}
+
+# npm_ci: the packages of the viewer, exactly those of its lock file, unless they are there.
+npm_ci() {
+    if cmp -s viewer/package-lock.json viewer/node_modules/.installed-lock.json; then return; fi
+    say "installing the viewer's packages"
+    npm ci --prefix viewer --no-audit --no-fund > "$LOG_DIR/npm.log" 2>&1 ||
+        die "npm could not install the viewer's packages: see $LOG_DIR/npm.log"
+    cp viewer/package-lock.json viewer/node_modules/.installed-lock.json
 }
 
 # build PRESET [TARGET...]

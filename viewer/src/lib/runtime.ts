@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// The WebAssembly runtime with types: bindings/wasm/sateen_wasm.cpp, one method a function.
+
+/** One subspace, as bindings/wasm/describe.hpp writes it. */
+export interface SubspaceDescription {
+  members: number;
+  view: number;
+  light: number;
+  tone: 'srgb' | 'linear';
+  /** (d) */
+  mean: number[];
+  /** (d, d) row-major; rows are the unit eigenvectors. */
+  T: number[];
+  /** Standard deviation of each plane. */
+  scale: number[];
+  /** Of each plane 16 values in units of scale, at g = -3 … 3; or none. */
+  knots: number[][];
+}
+
+/** What a renderer must know of a material besides its textures. */
+export interface Description {
+  name: string;
+  source: string;
+  bands: 1 | 3;
+  sampleRows: number;
+  sampleCols: number;
+  pixelsPerMm: number | null;
+  cosineIncluded: boolean;
+  /** [theta, phi] in radians; empty for photographs, as are lights and index. */
+  views: [number, number][];
+  lights: [number, number][];
+  /** Subspace of each pair, lights outermost; -1 where none was measured. */
+  index: number[];
+  subspaces: SubspaceDescription[];
+}
+
+/** What to draw: a torus of every subspace. */
+export interface DrawOptions {
+  rows: number;
+  cols: number;
+  seed?: bigint;
+  /** Standard normal fields instead of linear reflectance. */
+  fieldsOnly?: boolean;
+  /** All where left out. */
+  subspaces?: number[];
+}
+
+/** Takes one texture, (bands, rows, cols), a copy of its own; false stops the drawing. */
+export type TakeTexture = (subspace: number, texture: Float32Array) => boolean | void;
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  _initialize?: () => void;
+  sateen_allocate(bytes: number): number;
+  sateen_release(memory: number): void;
+  sateen_last_error(): number;
+  sateen_load(payload: number, bytes: number): number;
+  sateen_unload(loaded: number): void;
+  sateen_describe(loaded: number): number;
+  sateen_nearest_subspace(
+    loaded: number, viewTheta: number, viewPhi: number, lightTheta: number, lightPhi: number): number;
+  sateen_draw(
+    loaded: number, subspaces: number, count: number, rows: number, cols: number,
+    seedLow: number, seedHigh: number, fieldsOnly: number): number;
+}
+
+/** A failure of the runtime, with its message for the user. */
+export class SateenError extends Error {
+  override name = 'SateenError';
+}
+
+export class Runtime {
+  private take: TakeTexture = () => false;
+  private textureLength = 0;
+
+  private constructor(private readonly exports: Exports) {}
+
+  static async create(module: WebAssembly.Module): Promise<Runtime> {
+    let runtime: Runtime | undefined;
+    const instance = await WebAssembly.instantiate(module, {
+      sateen: {
+        take: (subspace: number, texture: number): number => runtime!.taken(subspace, texture),
+      },
+      env: { emscripten_notify_memory_growth: (): void => {} },
+      // The standard library can print and exit; the runtime does neither.
+      wasi_snapshot_preview1: new Proxy({}, { get: () => (): number => 8 /* EBADF */ }),
+    });
+    runtime = new Runtime(instance.exports as unknown as Exports);
+    runtime.exports._initialize?.();
+    return runtime;
+  }
+
+  /** A material from an unpacked payload. Unload it when done. */
+  load(payload: Uint8Array): LoadedMaterial {
+    const at = this.exports.sateen_allocate(Math.max(1, payload.length));
+    if (at === 0) throw new SateenError('not enough memory to read the material');
+    new Uint8Array(this.exports.memory.buffer, at, payload.length).set(payload);
+    const handle = this.exports.sateen_load(at, payload.length);
+    this.exports.sateen_release(at);
+    if (handle === 0) throw this.failure();
+    const text = this.text(this.exports.sateen_describe(handle));
+    return new LoadedMaterial(this, handle, JSON.parse(text) as Description);
+  }
+
+  /** @internal */
+  unload(handle: number): void {
+    this.exports.sateen_unload(handle);
+  }
+
+  /** @internal */
+  nearest(handle: number, view: [number, number], light: [number, number]): number {
+    return this.exports.sateen_nearest_subspace(handle, ...view, ...light);
+  }
+
+  /** @internal */
+  draw(handle: number, bands: number, options: DrawOptions, take: TakeTexture): void {
+    const { rows, cols, seed = 0n, fieldsOnly = false, subspaces } = options;
+    this.take = take;
+    this.textureLength = bands * rows * cols;
+    let list = 0;
+    if (subspaces) {
+      list = this.exports.sateen_allocate(Math.max(4, 4 * subspaces.length));
+      new Uint32Array(this.exports.memory.buffer, list, subspaces.length).set(subspaces);
+    }
+    const drawn = this.exports.sateen_draw(
+      handle, list, subspaces?.length ?? 0, rows, cols, Number(seed & 0xffffffffn),
+      Number((seed >> 32n) & 0xffffffffn), fieldsOnly ? 1 : 0);
+    if (list !== 0) this.exports.sateen_release(list);
+    if (!drawn) throw this.failure();
+  }
+
+  private taken(subspace: number, texture: number): number {
+    // A copy: the module's memory moves when it grows.
+    const copy = new Float32Array(this.exports.memory.buffer, texture, this.textureLength).slice();
+    return this.take(subspace, copy) === false ? 0 : 1;
+  }
+
+  private failure(): SateenError {
+    return new SateenError(this.text(this.exports.sateen_last_error()));
+  }
+
+  private text(at: number): string {
+    const bytes = new Uint8Array(this.exports.memory.buffer);
+    return new TextDecoder().decode(bytes.subarray(at, bytes.indexOf(0, at)));
+  }
+}
+
+export class LoadedMaterial {
+  constructor(
+    private readonly runtime: Runtime,
+    private readonly handle: number,
+    readonly description: Description,
+  ) {}
+
+  /** Draws one texture after the other and gives each to `take`. */
+  draw(options: DrawOptions, take: TakeTexture): void {
+    this.runtime.draw(this.handle, this.description.bands, options, take);
+  }
+
+  /** The subspace of the measured pair nearest to two directions [theta, phi] in radians. */
+  nearestSubspace(view: [number, number], light: [number, number]): number {
+    return this.runtime.nearest(this.handle, view, light);
+  }
+
+  unload(): void {
+    this.runtime.unload(this.handle);
+  }
+}

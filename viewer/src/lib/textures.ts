@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// A drawn material as textures for sateen.glsl.
+import {
+  ClampToEdgeWrapping, DataArrayTexture, DataTexture, DataUtils, FloatType, HalfFloatType, LinearFilter,
+  LinearMipmapLinearFilter, NearestFilter, RepeatWrapping, RGBAFormat, RGBAIntegerFormat, UnsignedByteType,
+  UnsignedShortType, type Texture,
+} from 'three';
+
+import { completeIndex, directionMap, toVector, type Vector } from './directions';
+import type { Description, SubspaceDescription } from './runtime';
+
+/** Levels of the curves; coarser fields look like the last one. */
+export const LEVELS = 8;
+/** Texels a row in textures that are lists. */
+export const LIST_COLS = 1024;
+/** Fields are stored from -G to G, curves in nodes 0.1 apart: both as in sateen.glsl. */
+const G = 4.2;
+const G_NODES = 85;
+const MAP_SIDE = 128;
+
+/** The fields of every subspace, toroidal, and how much of their variance each mip level keeps. */
+export class FieldTexture {
+  readonly texture: DataArrayTexture;
+  /** (subspaces, LEVELS, 3) */
+  readonly variance: Float32Array;
+  private readonly data: Uint8Array;
+
+  constructor(readonly side: number, private readonly bands: number, subspaces: number) {
+    this.data = new Uint8Array(4 * side * side * subspaces);
+    this.variance = new Float32Array(subspaces * LEVELS * 3).fill(1);
+    this.texture = new DataArrayTexture(this.data, side, side, subspaces);
+    this.texture.format = RGBAFormat;
+    this.texture.type = UnsignedByteType;
+    this.texture.wrapS = this.texture.wrapT = RepeatWrapping;
+    this.texture.magFilter = LinearFilter;
+    this.texture.minFilter = LinearMipmapLinearFilter;
+    this.texture.generateMipmaps = true;
+    this.texture.anisotropy = 8;
+  }
+
+  /** Takes the fields of one subspace, (bands, side, side). */
+  set(subspace: number, fields: Float32Array): void {
+    const sites = this.side * this.side;
+    const at = 4 * sites * subspace;
+    for (let band = 0; band < 3; ++band) {
+      const plane = band < this.bands ? fields.subarray(band * sites, (band + 1) * sites) : undefined;
+      for (let i = 0; i < sites; ++i)
+        this.data[at + 4 * i + band] = plane ? Math.round(255 * (0.5 + 0.5 * clamp(plane[i]! / G, -1, 1))) : 128;
+      if (plane) this.measureLevels(subspace, band, plane);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** The variance that is left after averages of 2 × 2, 4 × 4, … texels, as mip levels hold. */
+  private measureLevels(subspace: number, band: number, plane: Float32Array): void {
+    let [side, level] = [this.side, plane];
+    for (let m = 0; m < LEVELS; ++m) {
+      let squares = 0;
+      for (const g of level) squares += g * g;
+      const at = (subspace * LEVELS + m) * 3 + band;
+      this.variance[at] = clamp(squares / level.length, 0, 1);
+      if (side <= 1) continue;
+      const half = side >> 1;
+      const next = new Float32Array(half * half);
+      for (let r = 0; r < half; ++r)
+        for (let c = 0; c < half; ++c) {
+          const i = 2 * r * side + 2 * c;
+          next[r * half + c] = (level[i]! + level[i + 1]! + level[i + side]! + level[i + side + 1]!) / 4;
+        }
+      [side, level] = [half, next];
+    }
+  }
+}
+
+const clamp = (x: number, low: number, high: number): number => Math.min(high, Math.max(low, x));
+
+/** q(g) of one plane: Marginal of material/material.hpp. */
+export function marginal(scale: number, knots: number[], g: number): number {
+  if (knots.length === 0) return scale * g;
+  const x = ((clamp(g, -3, 3) + 3) / 6) * (knots.length - 1);
+  const j = Math.min(Math.floor(x), knots.length - 2);
+  return scale * (knots[j]! + (x - j) * (knots[j + 1]! - knots[j]!));
+}
+
+// Nodes and weights of the expectation over a standard normal value: a fine midpoint rule.
+const NORMAL = Array.from({ length: 33 }, (_, i) => {
+  const z = (i - 16) * 0.25;
+  return [z, 0.25 * Math.exp(-z * z / 2) / Math.sqrt(2 * Math.PI)] as const;
+});
+
+/**
+ * Rows (subspace, level) of q(g) in the nodes of g, one plane a channel. A level that keeps the
+ * share σ² of the variance has E[q(g + √(1 - σ²) z)] for z ~ N(0, 1).
+ */
+export function curveTexture(subspaces: SubspaceDescription[], variance: Float32Array): DataTexture {
+  const data = new Uint16Array(4 * G_NODES * subspaces.length * LEVELS);
+  subspaces.forEach((subspace, k) => {
+    for (let m = 0; m < LEVELS; ++m)
+      for (let band = 0; band < subspace.mean.length; ++band) {
+        const hidden = Math.sqrt(1 - variance[(k * LEVELS + m) * 3 + band]!);
+        const [scale, knots] = [subspace.scale[band]!, subspace.knots[band]!];
+        for (let n = 0; n < G_NODES; ++n) {
+          const g = -G + 0.1 * n;
+          let q = 0;
+          if (hidden < 1e-3) q = marginal(scale, knots, g);
+          else for (const [z, w] of NORMAL) q += w * marginal(scale, knots, g + hidden * z);
+          data[4 * ((k * LEVELS + m) * G_NODES + n) + band] = DataUtils.toHalfFloat(q);
+        }
+      }
+  });
+  const texture = new DataTexture(data, G_NODES, subspaces.length * LEVELS, RGBAFormat, HalfFloatType);
+  texture.magFilter = texture.minFilter = LinearFilter;
+  texture.wrapS = texture.wrapT = ClampToEdgeWrapping;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** Column k: rows of T, mean and tone, and the variance of each band that each level hides. */
+export function planeTexture(subspaces: SubspaceDescription[], variance: Float32Array): DataTexture {
+  const n = subspaces.length;
+  const data = new Float32Array(4 * n * (4 + LEVELS));
+  subspaces.forEach(({ T, mean, tone, scale }, k) => {
+    const d = mean.length;
+    const put = (row: number, band: number, value: number): void => {
+      data[4 * (row * n + k) + band] = value;
+    };
+    for (let band = 0; band < 3; ++band) {
+      const b = Math.min(band, d - 1);  // grey is shown as three equal bands
+      put(3, band, mean[b]!);
+      for (let i = 0; i < d; ++i) put(i, band, T[i * d + b]!);
+      for (let m = 0; m < LEVELS; ++m) {
+        let hidden = 0;
+        for (let i = 0; i < d; ++i)
+          hidden += (T[i * d + b]! * scale[i]!) ** 2 * (1 - variance[(k * LEVELS + m) * 3 + i]!);
+        put(4 + m, band, hidden);
+      }
+    }
+    put(3, 3, tone === 'srgb' ? 1 : 0);
+  });
+  return floatList(data, n, 4 + LEVELS);
+}
+
+function floatList(data: Float32Array, cols: number, rows: number): DataTexture {
+  const texture = new DataTexture(data, cols, rows, RGBAFormat, FloatType);
+  texture.magFilter = texture.minFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** Texels in rows of LIST_COLS. */
+function listTexture(texels: ArrayLike<number>[]): DataTexture {
+  const rows = Math.max(1, Math.ceil(texels.length / LIST_COLS));
+  const data = new Float32Array(4 * rows * LIST_COLS);
+  texels.forEach((texel, i) => data.set(texel, 4 * i));
+  return floatList(data, LIST_COLS, rows);
+}
+
+function mapTexture(directions: Vector[]): DataTexture {
+  const texture = new DataTexture(
+    directionMap(directions, MAP_SIDE), MAP_SIDE, MAP_SIDE, RGBAIntegerFormat, UnsignedShortType);
+  texture.internalFormat = 'RGBA16UI';
+  texture.magFilter = texture.minFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** What the shader needs of measured directions; of photographs, empty lists. */
+export interface DirectionTextures {
+  viewMap: Texture;
+  lightMap: Texture;
+  directions: Texture;
+  pairs: Texture;
+  views: number;
+  /** cos θ of the lowest light: nothing was measured below. */
+  lowestLight: number;
+}
+
+export function directionTextures(description: Description): DirectionTextures {
+  const views = description.views.map(toVector);
+  const lights = description.lights.map(toVector);
+  const index = completeIndex(description.index, views, lights);
+  return {
+    viewMap: mapTexture(views),
+    lightMap: mapTexture(lights),
+    directions: listTexture([...views, ...lights]),
+    pairs: listTexture(Array.from(index, (k) => [1, 1, 1, k])),
+    views: views.length,
+    lowestLight: lights.reduce((least, d) => Math.min(least, d[2]), 1),
+  };
+}
