@@ -2,9 +2,6 @@
 // sateen compare: texture similarity of two images, or of a material and its measurement.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -14,13 +11,13 @@
 
 #include "arguments.hpp"
 #include "compare_report.hpp"
+#include "comparison.hpp"
 #include "console.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/executor.hpp"
 #include "sateen/io/image_file.hpp"
 #include "sateen/io/material_file.hpp"
 #include "sateen/io/open_measurement.hpp"
-#include "sateen/synthesis/synthesise.hpp"
 #include "verbs.hpp"
 
 namespace sateen::cli {
@@ -35,70 +32,16 @@ struct CompareArguments {
     std::string report;
 };
 
-/// Materials are gzip files, which no image or measurement is.
-bool is_material(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return file.get() == 0x1F && file.get() == 0x8B;
-}
-
-Result<Comparison> compare_images(std::string title, std::string reference_name,
-                                  Image reference, std::string candidate_name,
-                                  Image candidate, Executor& executor) {
-    SATEEN_TRY(const TextureReference prepared,
-               TextureReference::create(reference, {candidate.rows(), candidate.cols()},
-                                        executor));
-    SATEEN_TRY(const TextureScore score, prepared.compare(candidate, executor));
-    SATEEN_TRY(const TextureCrossCheck check, cross_check(reference, candidate));
-    const SeamRatio seam = seam_ratio(candidate.view());
-    return Comparison{std::move(title),
-                      std::move(reference_name),
-                      std::move(candidate_name),
-                      std::move(reference),
-                      std::move(candidate),
-                      score,
-                      check,
-                      seam};
-}
-
 Result<std::vector<Comparison>> compare_files(const CompareArguments& arguments,
                                               Executor& executor) {
     SATEEN_TRY(Image reference, read_image(arguments.reference));
     SATEEN_TRY(Image candidate, read_image(arguments.candidate));
     SATEEN_TRY(Comparison comparison,
-               compare_images("", arguments.reference, std::move(reference),
-                              arguments.candidate, std::move(candidate), executor));
+               compare_images("", {arguments.reference, std::move(reference)},
+                              {arguments.candidate, std::move(candidate)}, executor));
     std::vector<Comparison> comparisons;
     comparisons.push_back(std::move(comparison));
     return comparisons;
-}
-
-// The image a subspace was modelled from: the observation of its directions, or the
-// photograph of its number.
-Result<std::size_t> representative_of(const MeasurementInfo& info,
-                                      const Material& material, std::size_t subspace) {
-    const Subspace& wanted = material.subspaces[subspace];
-    const auto near = [](Direction a, Direction b) {
-        const auto u = to_vector(a);
-        const auto v = to_vector(b);
-        constexpr float kSame = 1 - 1e-6F;
-        return u[0] * v[0] + u[1] * v[1] + u[2] * v[2] > kSame;
-    };
-    for (std::size_t i = 0; i < info.observations.size(); ++i) {
-        const Observation& o = info.observations[i];
-        if (!info.has_directions()) {
-            if (i == std::min(subspace, info.observations.size() - 1)) return i;
-        } else if (wanted.view < material.views.size() &&
-                   wanted.light < material.lights.size() &&
-                   near(info.views[o.view], material.views[wanted.view]) &&
-                   near(info.lights[o.light], material.lights[wanted.light])) {
-            return i;
-        }
-    }
-    return Error{
-        Errc::invalid_argument,
-        fmt::format("{}: no image of the directions of subspace {}; is it another "
-                    "measurement than the material's?",
-                    info.name, subspace)};
 }
 
 Result<std::vector<Comparison>> compare_material(const std::string& material_path,
@@ -106,38 +49,10 @@ Result<std::vector<Comparison>> compare_material(const std::string& material_pat
                                                  std::uint64_t seed, Executor& executor,
                                                  Progress& progress) {
     SATEEN_TRY(const Material material, load_material(material_path));
-    const std::vector<std::string> paths = {measurement_path};
     SATEEN_TRY(const std::unique_ptr<Measurement> measurement,
-               open_measurement(paths, {}));
-    std::vector<Comparison> comparisons;
-    for (std::size_t k = 0; k < material.subspaces.size(); ++k) {
-        progress.stage("comparing");
-        progress.report(static_cast<double>(k),
-                        static_cast<double>(material.subspaces.size()));
-        SATEEN_TRY(const std::size_t observation,
-                   representative_of(measurement->info(), material, k));
-        SATEEN_TRY(Image reference, measurement->read(observation));
-        SynthesisOptions options;
-        options.rows = reference.rows();
-        options.cols = reference.cols();
-        options.seed = seed;
-        Progress silent;
-        SATEEN_TRY(Image drawn, synthesise(material, k, options, executor, silent));
-        SATEEN_TRY(Comparison comparison,
-                   compare_images(fmt::format("Subspace {}", k),
-                                  measurement->info().observations[observation].name,
-                                  std::move(reference), material_path, std::move(drawn),
-                                  executor));
-        comparisons.push_back(std::move(comparison));
-        if (progress.cancelled()) return Error{Errc::cancelled, "cancelled"};
-    }
-    return comparisons;
-}
-
-double geometric_mean(const std::vector<Comparison>& comparisons) {
-    double sum = 0;
-    for (const Comparison& c : comparisons) sum += std::log(c.score.total);
-    return std::exp(sum / static_cast<double>(comparisons.size()));
+               open_measurement({&measurement_path, 1}, {}));
+    return compare_subspaces(material, material_path, *measurement, seed, executor,
+                             progress);
 }
 
 Json json_of(const Comparison& comparison) {
@@ -182,10 +97,10 @@ Result<void> run_compare(const CompareArguments& arguments) {
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
     ConsoleProgress progress;
     const auto compare = [&]() -> Result<std::vector<Comparison>> {
-        if (is_material(arguments.reference))
+        if (looks_like_material(arguments.reference))
             return compare_material(arguments.reference, arguments.candidate,
                                     arguments.common.seed, *executor, progress);
-        if (is_material(arguments.candidate))
+        if (looks_like_material(arguments.candidate))
             return compare_material(arguments.candidate, arguments.reference,
                                     arguments.common.seed, *executor, progress);
         return compare_files(arguments, *executor);
@@ -193,7 +108,9 @@ Result<void> run_compare(const CompareArguments& arguments) {
     SATEEN_TRY(const std::vector<Comparison> comparisons, compare());
     const double total = geometric_mean(comparisons);
     if (!arguments.report.empty()) {
-        SATEEN_TRY(const std::string page, comparison_page(comparisons, total));
+        SATEEN_TRY(const std::string page,
+                   comparison_page(fmt::format("Texture similarity {:.2f}", total), "",
+                                   comparisons));
         const std::vector<std::uint8_t> bytes(page.begin(), page.end());
         SATEEN_CHECK(write_file(arguments.report, bytes));
     }

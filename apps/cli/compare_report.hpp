@@ -1,31 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page `sateen compare --report` writes: everything in one file, nothing to load.
+// The page that `sateen compare --report` and `sateen model --report` write.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "sateen/analysis/quality.hpp"
-#include "sateen/core/image.hpp"
+#include "comparison.hpp"
 #include "sateen/core/result.hpp"
 
 namespace sateen::cli {
 
-/// Two images and how near they are.
-struct Comparison {
-    std::string title;  ///< e.g. the subspace; may be empty
-    std::string reference_name;
-    std::string candidate_name;
-    Image reference;
-    Image candidate;
-    TextureScore score;
-    TextureCrossCheck cross_check;
-    SeamRatio seam;  ///< of the candidate
-};
-
 /// A self-contained HTML page: pictures, scores, spectra, histograms, autocovariances.
-/// \param total  the score of the whole
+/// \param title  plain text \param lead  HTML that comes before the comparisons
 [[nodiscard]] Result<std::string> comparison_page(
-    const std::vector<Comparison>& comparisons, double total);
+    const std::string& title, const std::string& lead,
+    const std::vector<Comparison>& comparisons);
 
 }  // namespace sateen::cli

@@ -12,6 +12,7 @@
 #include "arguments.hpp"
 #include "console.hpp"
 #include "field_names.hpp"
+#include "model_report.hpp"
 #include "sateen/analysis/analyse.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/executor.hpp"
@@ -32,6 +33,7 @@ struct ModelArguments {
     std::string levels = "auto";
     std::string neighbourhood = "auto";
     std::string encoding = "auto";
+    std::string report;
     bool paper = false;
     bool skip_bad = false;
 };
@@ -59,8 +61,11 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
     options.subspaces = parse_auto_or_number(arguments.subspaces, 1, kMaxSubspaces);
     options.levels = parse_auto_or_number(arguments.levels, 1, kMaxLevels);
     SATEEN_TRY(options.field, parse_field_kind(arguments.field));
-    options.space = arguments.space == "rgb" ? Space::rgb : Space::kl;
-    SATEEN_TRY(options.neighbourhood, parse_neighbourhood(arguments.neighbourhood));
+    if (arguments.space != "auto")
+        options.space = arguments.space == "rgb" ? Space::rgb : Space::kl;
+    if (arguments.neighbourhood != "auto") {
+        SATEEN_TRY(options.neighbourhood, parse_neighbourhood(arguments.neighbourhood));
+    }
     options.seed = arguments.common.seed;
     options.skip_bad = arguments.skip_bad;
     return options;
@@ -121,7 +126,10 @@ Result<void> run_model(const ModelArguments& arguments) {
                              ": is a material already, expected photographs or a "
                              "measurement"};
     // Minutes of work should not end with "no such folder".
-    SATEEN_TRY(AtomicFile probe, AtomicFile::create(arguments.output));
+    SATEEN_TRY(const AtomicFile probe, AtomicFile::create(arguments.output));
+    if (!arguments.report.empty()) {
+        SATEEN_TRY(const AtomicFile other, AtomicFile::create(arguments.report));
+    }
 
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
     ConsoleProgress progress;
@@ -134,6 +142,12 @@ Result<void> run_model(const ModelArguments& arguments) {
     analysis.material.provenance.writer = "sateen " SATEEN_VERSION;
     SATEEN_TRY(const std::size_t bytes,
                save_material(arguments.output, analysis.material));
+    if (!arguments.report.empty()) {
+        SATEEN_TRY(const std::string page, model_page(analysis, *measurement, bytes,
+                                                      *executor, progress));
+        SATEEN_CHECK(write_file(
+            arguments.report, std::vector<std::uint8_t>(page.begin(), page.end())));
+    }
 
     progress.clear();
     for (const std::string& note : analysis.notes)
@@ -198,6 +212,10 @@ Verb add_model(CLI::App& program) {
             (void)parse_encoding(text);
             return std::string();
         });
+    verb->add_option("--report", arguments->report,
+                     "Write a page with every subspace beside its measurement,\n"
+                     "bytes and scores")
+        ->type_name("R.html");
     verb->add_flag("--skip-bad", arguments->skip_bad,
                    "Leave out unreadable images and list them, instead of failing");
     arguments->common.add_to(*verb);

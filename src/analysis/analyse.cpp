@@ -3,11 +3,13 @@
 #include "sateen/analysis/analyse.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 #include "analysis/fit_subspace.hpp"
+#include "analysis/window.hpp"
 #include "sateen/analysis/segment.hpp"
 
 namespace sateen {
@@ -30,18 +32,6 @@ Material describe(const MeasurementInfo& info, const AnalysisOptions& options) {
     material.views = info.views;
     material.lights = info.lights;
     return material;
-}
-
-/// The paper's settings where the user gave none.
-AnalysisOptions with_paper_defaults(AnalysisOptions options) {
-    // [SAR] and the 3D CAR model the channels as they are.
-    if (options.paper) options.space = Space::rgb;
-    if (options.paper && options.neighbourhood == NeighbourhoodOptions{})
-        options.neighbourhood =
-            options.field == FieldKind::gmrf2d
-                ? NeighbourhoodOptions{NeighbourhoodRule::order, 4}
-                : NeighbourhoodOptions{NeighbourhoodRule::nearest, 3};
-    return options;
 }
 
 /// The images that stand for each subspace: one representative, or all photographs
@@ -96,12 +86,36 @@ std::vector<IndexEntry> index_table(const MeasurementInfo& info,
     return index;
 }
 
+/// Pixels held of all photographs of a subspace together, so that memory grows neither with
+/// their number nor with their size; statistics of more pixels are hardly better.
+constexpr std::size_t kPooledPixels = std::size_t{1} << 23U;
+
+/// At most `pixels` out of the middle, of the shape of the image.
+Image at_most(std::size_t pixels, Image image) {
+    if (image.plane_size() <= pixels) return image;
+    const double share = std::sqrt(static_cast<double>(pixels) /
+                                   static_cast<double>(image.plane_size()));
+    const auto part = [share](std::size_t side) {
+        return std::max<std::size_t>(
+            1, static_cast<std::size_t>(share * static_cast<double>(side)));
+    };
+    const std::size_t rows = part(image.rows());
+    const std::size_t cols = part(image.cols());
+    return middle_window(std::move(image), rows, cols);
+}
+
 Result<std::vector<Image>> read_all(const Measurement& measurement,
                                     const std::vector<std::size_t>& observations,
-                                    bool skip_bad, std::vector<std::string>& notes) {
+                                    bool skip_bad, std::vector<std::string>& notes,
+                                    Executor& executor) {
+    std::vector<Result<Image>> read(observations.size(), Result<Image>(Image()));
+    parallel_for(executor, observations.size(), [&](std::size_t i) {
+        read[i] = measurement.read(observations[i]);
+        if (read[i])
+            read[i] = at_most(kPooledPixels / observations.size(), std::move(*read[i]));
+    });
     std::vector<Image> images;
-    for (const std::size_t observation : observations) {
-        Result<Image> image = measurement.read(observation);
+    for (Result<Image>& image : read) {
         if (!image && !skip_bad) return std::move(image).error();
         if (image)
             images.push_back(std::move(*image));
@@ -116,9 +130,9 @@ Result<std::vector<Image>> read_all(const Measurement& measurement,
 }  // namespace
 
 Result<Analysis> analyse(const Measurement& measurement,
-                         const AnalysisOptions& user_options, Executor& executor,
+                         const AnalysisOptions& options, Executor& executor,
                          Progress& progress) {
-    const AnalysisOptions options = with_paper_defaults(user_options);
+    SATEEN_CHECK(check(options));
     const MeasurementInfo& info = measurement.info();
     Analysis result{describe(info, options), info.skipped, {}, {}};
     Material& material = result.material;
@@ -141,7 +155,7 @@ Result<Analysis> analyse(const Measurement& measurement,
     const auto fit = [&](std::size_t k) {
         std::vector<std::string> notes;
         Result<std::vector<Image>> images = read_all(
-            measurement, representatives.observations[k], options.skip_bad, notes);
+            measurement, representatives.observations[k], options.skip_bad, notes, executor);
         fits[k] = images ? fit_subspace(std::move(*images), options, reference, executor)
                          : Result<SubspaceFit>(std::move(images).error());
         const std::lock_guard lock(mutex);

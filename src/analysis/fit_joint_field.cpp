@@ -106,10 +106,10 @@ Result<FieldModel> fit_joint_field(const CrossAutocovariance& toroidal,
         const Autoregression3d constant{d, {}, {}, std::vector<float>(d * d)};
         return simultaneous ? FieldModel(Sar3d{constant}) : FieldModel(Car3d{constant});
     }
-    SATEEN_TRY(auto offsets, select_joint(R, planes, options.neighbourhood));
+    SATEEN_TRY(auto offsets, select_joint(R, planes, neighbourhood_of(options)));
     // [SAR] symmetric hierarchical neighbourhoods; "the symmetric half" is `nearest`.
     if (simultaneous && options.paper &&
-        options.neighbourhood.rule != NeighbourhoodRule::nearest &&
+        neighbourhood_of(options).rule != NeighbourhoodRule::nearest &&
         offsets.size() <= kMaxNeighbours / 2)
         offsets = with_mirrored(std::move(offsets));
     const JointEquations equations =

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "analysis/fit_field.hpp"
+#include "analysis/window.hpp"
 #include "sateen/analysis/autocovariance.hpp"
 #include "sateen/analysis/marginal.hpp"
 #include "sateen/analysis/neighbourhood.hpp"
@@ -29,19 +30,11 @@ constexpr std::size_t kCoarsestSide = 16;
 constexpr std::size_t kPaperLevels = 3;
 
 /// The largest window that the FFT and the pyramid accept, from the middle of the image.
-Image crop_to_lattice(const Image& image, std::size_t levels) {
+Image crop_to_lattice(Image image, std::size_t levels) {
     const std::size_t factor = std::size_t{1} << (levels - 1);
     const std::size_t rows = fft_size_at_most(image.rows(), factor);
     const std::size_t cols = fft_size_at_most(image.cols(), factor);
-    if (rows == image.rows() && cols == image.cols()) return image;
-    const std::size_t top = (image.rows() - rows) / 2;
-    const std::size_t left = (image.cols() - cols) / 2;
-    Image result(image.bands(), rows, cols);
-    for (std::size_t band = 0; band < image.bands(); ++band)
-        for (std::size_t r = 0; r < rows; ++r)
-            std::copy_n(image.plane(band).row(top + r) + left, cols,
-                        result.plane(band).row(r));
-    return result;
+    return middle_window(std::move(image), rows, cols);
 }
 
 std::vector<PlaneView<const float>> planes_of(const std::vector<Image>& images,
@@ -76,7 +69,7 @@ Result<std::vector<FieldModel>> fit_plane(std::span<const PlaneView<const float>
                                           const Marginal& marginal, std::size_t levels,
                                           const AnalysisOptions& options,
                                           FieldChoice& choice, Executor& executor) {
-    const int reach = 2 * reach_of(options.neighbourhood);
+    const int reach = 2 * reach_of(neighbourhood_of(options));
     SATEEN_TRY(const auto statistics,
                level_statistics(planes, marginal, levels, reach, executor));
     std::vector<FieldModel> fields;
@@ -163,7 +156,7 @@ Result<void> fit_joint_levels(const std::vector<Image>& images,
                               Executor& executor) {
     Subspace& subspace = fit.subspace;
     const std::size_t levels = subspace.levels.size();
-    const int reach = 2 * reach_of(options.neighbourhood);
+    const int reach = 2 * reach_of(neighbourhood_of(options));
     std::vector<CrossAutocovariance> pooled(levels);
     for (const Image& image : images) {
         SATEEN_TRY(const Image planes,
@@ -240,12 +233,13 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     SubspaceFit fit;
     Subspace& subspace = fit.subspace;
     subspace.spectral = fit_spectral_transform(images, options.tone);
-    if (is_joint_kind(options.field) && options.space == Space::rgb)
+    const Space space = options.space.value_or(options.paper ? Space::rgb : Space::kl);
+    if (is_joint_kind(options.field) && space == Space::rgb)
         subspace.spectral = untransformed(std::move(subspace.spectral));
     else if (reference != nullptr)
         align(subspace.spectral, *reference);
     for (Image& image : images)
-        image = decorrelate(crop_to_lattice(image, levels), subspace.spectral);
+        image = decorrelate(crop_to_lattice(std::move(image), levels), subspace.spectral);
 
     // 2. The marginal of every plane.
     const std::size_t d = subspace.spectral.mean.size();

@@ -270,10 +270,15 @@ Gmrf2d shrunk(const Gmrf2d& field, double smallest, double variance) {
     return result;
 }
 
+Gmrf2d as_field(const NaturalGmrf2d& natural) {
+    Gmrf2d field{natural.neighbourhood, {}, static_cast<float>(1 / natural.theta_0)};
+    for (const double theta : natural.theta)
+        field.a.push_back(static_cast<float>(theta / natural.theta_0));
+    return field;
+}
+
 Gmrf2d to_material(const NaturalGmrf2d& field, double variance) {
-    Gmrf2d exact{field.neighbourhood, {}, 0};
-    for (const double theta : field.theta)
-        exact.a.push_back(static_cast<float>(theta / field.theta_0));
+    const Gmrf2d exact = as_field(field);
     Gmrf2d result = exact;
     round_to_file(result.a);
     const double lowest = smallest_denominator(exact);
@@ -321,12 +326,8 @@ Result<NaturalGmrf2d> select_gmrf2d(const Autocovariance& R, int max_order) {
         SATEEN_TRY(present,
                    maximise_likelihood(R, hierarchical_half_plane(order), comparing,
                                        order > 1 ? &present : nullptr));
-        // At the maximum θ·(statistics) is the number of sites: D = -mean ln q + 1.
-        Gmrf2d field{present.neighbourhood, {}, static_cast<float>(1 / present.theta_0)};
-        for (const double theta : present.theta)
-            field.a.push_back(static_cast<float>(theta / present.theta_0));
         const double information = bayesian_information(
-            whittle_deviance(inverse_covariance(field), R, comparing.last_grid),
+            whittle_deviance(inverse_covariance(as_field(present)), R, comparing.last_grid),
             R.sites(), present.theta.size());
         if (!(information < best_information)) continue;
         best_information = information;

@@ -20,6 +20,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The limit guards against rounding making it go round in circles.
 constexpr int kMaxSteps = 1000;
 
+// Starts compete on so many points, evenly spaced; the best goes on with all of them.
+constexpr std::size_t kStartPoints = 1024;
+
 // Points are padded with zeros to a multiple of this many features, which are summed side
 // by side: one running sum would wait for every addition.
 constexpr std::size_t kLanes = 4;
@@ -57,10 +60,18 @@ class Start {
           upper_(points.rows),
           lower_(points.rows) {
         seed(options);
-        for (int step = 0; step < kMaxSteps; ++step) {
-            if (!assign()) break;
-            update();
-        }
+        iterate();
+    }
+    /// Goes on from the centres that other points led to.
+    Start(PlaneView<const double> points, const Clustering& from)
+        : points_(points),
+          features_(points.cols),
+          clusters_(from.clusters),
+          centre_(from.centres),
+          label_(points.rows),
+          upper_(points.rows, kInfinity),
+          lower_(points.rows) {
+        iterate();
     }
 
     Clustering result() && {
@@ -74,6 +85,12 @@ class Start {
     }
 
   private:
+    void iterate() {
+        for (int step = 0; step < kMaxSteps; ++step) {
+            if (!assign()) break;
+            update();
+        }
+    }
     [[nodiscard]] const double* centre(std::size_t k) const {
         return centre_.data() + k * features_;
     }
@@ -242,8 +259,8 @@ class Start {
 
     PlaneView<const double> points_;
     std::size_t features_;
-    std::array<std::uint32_t, 2> key_;
-    std::uint32_t number_;
+    std::array<std::uint32_t, 2> key_ = {};
+    std::uint32_t number_ = 0;
     std::size_t clusters_ = 0;
     bool first_ = true;  // the centres are not yet means
     std::vector<double> centre_;
@@ -259,19 +276,27 @@ Clustering kmeans(PlaneView<const double> points, const KMeansOptions& options,
     assert(points.rows > 0 && points.cols > 0);
     assert(options.clusters > 0 && options.restarts > 0);
     const std::size_t width = (points.cols + kLanes - 1) / kLanes * kLanes;
-    std::vector<double> values(points.rows * width);
-    for (std::size_t i = 0; i < points.rows; ++i)
-        std::copy_n(points.row(i), points.cols, values.data() + i * width);
-    const PlaneView<const double> padded(values.data(), points.rows, width);
-
+    const auto padded = [&](std::size_t every) {
+        std::vector<double> values((points.rows + every - 1) / every * width);
+        for (std::size_t i = 0; i < points.rows; i += every)
+            std::copy_n(points.row(i), points.cols, values.data() + i / every * width);
+        return values;
+    };
+    const auto view = [&](const std::vector<double>& values) {
+        return PlaneView<const double>(values.data(), values.size() / width, width);
+    };
+    const std::size_t every = std::max<std::size_t>(1, points.rows / kStartPoints);
+    const std::vector<double> some = padded(every);
     std::vector<Clustering> found(options.restarts);
     parallel_for(executor, found.size(), [&](std::size_t start) {
-        found[start] = Start(padded, options, static_cast<std::uint32_t>(start)).result();
+        found[start] =
+            Start(view(some), options, static_cast<std::uint32_t>(start)).result();
     });
     // The first of equals, so that the choice does not depend on the executor.
     Clustering best = std::move(*std::min_element(
         found.begin(), found.end(),
         [](const Clustering& a, const Clustering& b) { return a.inertia < b.inertia; }));
+    if (every > 1) best = Start(view(padded(1)), best).result();
     std::vector<double> centres(best.clusters * points.cols);
     for (std::size_t k = 0; k < best.clusters; ++k)
         std::copy_n(best.centres.data() + k * width, points.cols,

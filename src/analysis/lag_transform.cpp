@@ -10,10 +10,19 @@ namespace {
 
 using Eigen::Index;
 
-double angle(Index k, Index n, Index lag) {
-    return 2 * std::numbers::pi * static_cast<double>(k * lag % n) /
-           static_cast<double>(n);
-}
+/// cos and sin of 2π k/n, k = 0 … n - 1.
+struct Circle {
+    explicit Circle(Index n) : cosine(n), sine(n) {
+        for (Index k = 0; k < n; ++k) {
+            const double angle =
+                2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+            cosine(k) = std::cos(angle);
+            sine(k) = std::sin(angle);
+        }
+    }
+    Eigen::VectorXd cosine;
+    Eigen::VectorXd sine;
+};
 
 }  // namespace
 
@@ -25,14 +34,16 @@ LagTransform::LagTransform(Index rows, Index cols, int reach)
       col_cos_(cols / 2 + 1, reach + 1),
       col_sin_(cols / 2 + 1, reach + 1),
       weight_(cols / 2 + 1) {
+    const Circle of_rows(rows);
+    const Circle of_cols(cols);
     for (Index s = 0; s <= reach; ++s) {
         for (Index m = 0; m < rows; ++m) {
-            row_cos_(s, m) = std::cos(angle(m, rows, s));
-            row_sin_(s, m) = std::sin(angle(m, rows, s));
+            row_cos_(s, m) = of_rows.cosine(m * s % rows);
+            row_sin_(s, m) = of_rows.sine(m * s % rows);
         }
         for (Index n = 0; n < half_cols(); ++n) {
-            col_cos_(n, s) = std::cos(angle(n, cols, s));
-            col_sin_(n, s) = std::sin(angle(n, cols, s));
+            col_cos_(n, s) = of_cols.cosine(n * s % cols);
+            col_sin_(n, s) = of_cols.sine(n * s % cols);
         }
     }
     for (Index n = 0; n < half_cols(); ++n) weight_(n) = n == 0 || 2 * n == cols ? 1 : 2;

@@ -62,6 +62,40 @@ Result<NeighbourhoodOptions> parse_neighbourhood(std::string_view text) {
                  "neighbourhood \"" + std::string(text) + "\" is not one of " + expected};
 }
 
+Result<void> check(const NeighbourhoodOptions& options) {
+    for (const RuleName& rule : kRules) {
+        if (rule.rule != options.rule) continue;
+        if (options.value >= rule.smallest && options.value <= rule.largest) return {};
+        return Error{Errc::invalid_argument,
+                     "neighbourhood " + to_string(options) + ": expected " +
+                         std::to_string(rule.smallest) + " to " +
+                         std::to_string(rule.largest)};
+    }
+    return Error{Errc::invalid_argument, "neighbourhood: unknown rule"};
+}
+
+NeighbourhoodOptions neighbourhood_of(const AnalysisOptions& options) {
+    if (options.neighbourhood) return *options.neighbourhood;
+    if (!options.paper) return {};
+    return options.field == FieldKind::gmrf2d
+               ? NeighbourhoodOptions{NeighbourhoodRule::order, 4}
+               : NeighbourhoodOptions{NeighbourhoodRule::nearest, 3};
+}
+
+Result<void> check(const AnalysisOptions& options) {
+    SATEEN_CHECK(check(neighbourhood_of(options)));
+    const auto at_most = [](const std::string& name, std::size_t found,
+                            std::size_t most) -> Result<void> {
+        if (found <= most) return {};
+        return Error{Errc::invalid_argument, name + ": found " + std::to_string(found) +
+                                                 ", expected 1 to " +
+                                                 std::to_string(most) +
+                                                 ", or 0 for automatic"};
+    };
+    SATEEN_CHECK(at_most("levels", options.levels, kMaxLevels));
+    return at_most("subspaces", options.subspaces, kMaxSubspaces);
+}
+
 std::string to_string(const NeighbourhoodOptions& options) {
     for (const RuleName& rule : kRules)
         if (rule.rule == options.rule)

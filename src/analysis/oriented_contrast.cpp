@@ -17,7 +17,16 @@ struct Step {
     std::size_t rows;
     std::ptrdiff_t cols;
 };
-constexpr std::array<Step, 4> kSteps = {{{0, 3}, {2, -2}, {3, 0}, {2, 2}}};
+
+std::array<Step, 4> steps_of(std::size_t length) {
+    const auto diagonal = static_cast<std::size_t>(
+        std::lround(static_cast<double>(length) / std::sqrt(2.0)));
+    const auto cols = static_cast<std::ptrdiff_t>(diagonal);
+    return {{{0, static_cast<std::ptrdiff_t>(length)},
+             {diagonal, -cols},
+             {length, 0},
+             {diagonal, cols}}};
+}
 
 // L in 0 … 255. std::max with the constant first gives 0 for NaN.
 std::vector<std::int16_t> quantise(PlaneView<const float> L) {
@@ -53,22 +62,23 @@ std::uint64_t squared_difference(const std::int16_t* a, const std::int16_t* b,
 
 }  // namespace
 
-OrientedContrast oriented_contrast(PlaneView<const float> L) {
+OrientedContrast oriented_contrast(PlaneView<const float> L, std::size_t step) {
+    const std::array<Step, 4> steps = steps_of(step);
     const std::vector<std::int16_t> quantised = quantise(L);
     OrientedContrast contrast = {};
-    for (std::size_t k = 0; k < kSteps.size(); ++k) {
-        const auto across = static_cast<std::size_t>(std::abs(kSteps[k].cols));
-        if (L.rows <= kSteps[k].rows || L.cols <= across) continue;
-        const std::size_t rows = L.rows - kSteps[k].rows;
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+        const auto across = static_cast<std::size_t>(std::abs(steps[k].cols));
+        if (L.rows <= steps[k].rows || L.cols <= across) continue;
+        const std::size_t rows = L.rows - steps[k].rows;
         const std::size_t cols = L.cols - across;
         // Steps to the left start at the right end.
-        const std::size_t from = kSteps[k].cols < 0 ? across : 0;
-        const std::size_t to = kSteps[k].cols < 0 ? 0 : across;
+        const std::size_t from = steps[k].cols < 0 ? across : 0;
+        const std::size_t to = steps[k].cols < 0 ? 0 : across;
         std::uint64_t sum = 0;
         for (std::size_t r = 0; r < rows; ++r) {
             sum += squared_difference(
                 quantised.data() + r * L.cols + from,
-                quantised.data() + (r + kSteps[k].rows) * L.cols + to, cols);
+                quantised.data() + (r + steps[k].rows) * L.cols + to, cols);
         }
         const double mean = static_cast<double>(sum) / static_cast<double>(rows * cols);
         contrast[k] = std::sqrt(mean / 2.0) * (100.0 / 255.0);

@@ -51,6 +51,7 @@ void colour_joint_noise(const PlaneField& field, std::size_t cols,
             const SplitComplexView<const float> w = noise[i].view();
             y.re[i] = spectra[i].view().re.row(m);
             y.im[i] = spectra[i].view().im.row(m);
+            if (w.re.row(m) == y.re[i]) continue;
             std::copy_n(w.re.row(m), density.cols(), y.re[i]);
             std::copy_n(w.im.row(m), density.cols(), y.im[i]);
         }

@@ -350,7 +350,9 @@ void add_expanded(PlaneView<const float> coarse, float mirror_sign, std::size_t 
 Image spectral_density(const PlaneField& field, std::size_t rows, std::size_t cols,
                        Executor& executor) {
     const std::size_t d = field.planes;
-    Image density(d * d, rows, cols / 2 + 1);
+    // Fields of single planes leave the elements between them 0.
+    Image density = d == 1 ? Image(1, rows, cols / 2 + 1, uninitialised)
+                           : Image(d * d, rows, cols / 2 + 1);
     level_density(field, cols, density.view(), executor);
     if (field.levels.size() > 1) {
         const Image coarse = spectral_density(field.coarser(1), CoarseAxis(rows).size,

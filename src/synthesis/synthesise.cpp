@@ -95,7 +95,53 @@ std::vector<PlaneField> independent_fields(const Material& material,
     return fields;
 }
 
-/// The Fourier transforms of the white noise of every plane of one torus.
+/// White noise coloured with the densities of a field and transformed back: planes
+/// field.plane … of `planes`. \param spectra  written, may be the noise
+void draw_coloured(const PlaneField& field, const Fft2d& fft,
+                   std::span<const SplitComplexPlane> noise,
+                   std::span<SplitComplexPlane> spectra, ImageView<float> planes,
+                   Executor& executor) {
+    if (field.planes == 1)
+        colour_noise(field, fft.cols(), noise[0].view(), spectra[0].view(), executor);
+    else
+        colour_joint_noise(field, fft.cols(), noise, spectra, executor);
+    for (std::size_t i = 0; i < field.planes; ++i)
+        fft.inverse(spectra[i].view(), planes.plane(field.plane + i), executor);
+}
+
+/// A spectrum for each plane of the field that draws most of them at once.
+std::vector<SplitComplexPlane> spectra_for(std::span<const PlaneField> fields,
+                                           const Fft2d& fft) {
+    std::vector<SplitComplexPlane> spectra;
+    for (const PlaneField& field : fields)
+        while (spectra.size() < field.planes)
+            spectra.emplace_back(fft.rows(), fft.spectrum_cols(), uninitialised);
+    return spectra;
+}
+
+/// All planes of one subspace on one torus, standard normal. The noise is drawn where the
+/// texture will stand, and the planes take turns in one spectrum: memory that is touched
+/// for the first time takes longer than to colour it.
+Result<Image> draw_torus(const Material& material, const Subspace& subspace,
+                         const SynthesisOptions& options, Executor& executor) {
+    SATEEN_TRY(const Fft2d fft, Fft2d::create(options.rows, options.cols));
+    const std::vector<PlaneField> fields = independent_fields(material, subspace);
+    std::vector<SplitComplexPlane> spectra = spectra_for(fields, fft);
+    Image planes(material.bands, options.rows, options.cols, uninitialised);
+    for (const PlaneField& field : fields) {
+        for (std::size_t i = 0; i < field.planes; ++i) {
+            const std::size_t plane = field.plane + i;
+            draw_noise(options.seed, noise_band(static_cast<std::uint32_t>(plane)),
+                       planes.plane(plane), executor);
+            fft.forward(planes.plane(plane), spectra[i].view(), executor);
+        }
+        draw_coloured(field, fft, spectra, spectra, planes.view(), executor);
+    }
+    return planes;
+}
+
+/// The Fourier transforms of the white noise of every plane of one torus, shared by all
+/// subspaces.
 class ToroidalNoise {
   public:
     static Result<ToroidalNoise> create(const Material& material,
@@ -103,32 +149,26 @@ class ToroidalNoise {
                                         Executor& executor) {
         SATEEN_TRY(Fft2d fft, Fft2d::create(options.rows, options.cols));
         ToroidalNoise noise(std::move(fft));
-        Image white(1, options.rows, options.cols);
+        Image white(1, options.rows, options.cols, uninitialised);
         for (std::uint32_t plane = 0; plane < material.bands; ++plane) {
             draw_noise(options.seed, noise_band(plane), white.plane(0), executor);
-            SplitComplexPlane& spectrum =
-                noise.spectra_.emplace_back(options.rows, noise.fft_.spectrum_cols());
+            SplitComplexPlane& spectrum = noise.spectra_.emplace_back(
+                options.rows, noise.fft_.spectrum_cols(), uninitialised);
             noise.fft_.forward(white.plane(0), spectrum.view(), executor);
         }
         return noise;
     }
 
-    /// All planes of one subspace, standard normal.
+    /// All planes of one subspace, standard normal: the same as draw_torus().
     [[nodiscard]] Image draw(const Material& material, const Subspace& subspace,
                              Executor& executor) const {
-        Image planes(spectra_.size(), fft_.rows(), fft_.cols());
-        std::vector<SplitComplexPlane> coloured;
-        for (const PlaneField& field : independent_fields(material, subspace)) {
-            while (coloured.size() < field.planes)
-                coloured.emplace_back(fft_.rows(), fft_.spectrum_cols());
-            if (field.planes == 1)
-                colour_noise(field, fft_.cols(), spectra_[field.plane].view(),
-                             coloured[0].view(), executor);
-            else
-                colour_joint_noise(field, fft_.cols(), spectra_, coloured, executor);
-            for (std::size_t i = 0; i < field.planes; ++i)
-                fft_.inverse(coloured[i].view(), planes.plane(field.plane + i), executor);
-        }
+        const std::vector<PlaneField> fields = independent_fields(material, subspace);
+        std::vector<SplitComplexPlane> coloured = spectra_for(fields, fft_);
+        Image planes(spectra_.size(), fft_.rows(), fft_.cols(), uninitialised);
+        for (const PlaneField& field : fields)
+            draw_coloured(field, fft_,
+                          std::span(spectra_).subspan(field.plane, field.planes),
+                          coloured, planes.view(), executor);
         return planes;
     }
 
@@ -212,7 +252,7 @@ Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
         const std::int64_t past_border = ((at % step) + step) % step;
         const std::size_t count =
             std::min(static_cast<std::size_t>(step - past_border), options.rows - row);
-        Image strip(bands, count, options.cols);
+        Image strip(bands, count, options.cols, uninitialised);
         SATEEN_CHECK(planes.draw(options.seed, static_cast<std::int32_t>(at),
                                  options.offset_col, strip.view(), executor));
         finish_planes(subspace, options, strip.view(), executor);
@@ -236,7 +276,7 @@ Result<void> draw_periodic(const Material& material, const Subspace& subspace,
     if (options.rows * options.cols > kWholeTextureSites)
         return draw_in_strips(planes, subspace, options, sink, executor, progress);
 
-    Image whole(subspace.marginals.size(), options.rows, options.cols);
+    Image whole(subspace.marginals.size(), options.rows, options.cols, uninitialised);
     SATEEN_CHECK(planes.draw(options.seed, 0, 0, whole.view(), executor));
     for (std::size_t plane = 0; plane < whole.bands(); ++plane)
         standardise(whole.plane(plane));
@@ -257,9 +297,7 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
     if (options.tileable) {
         if (!fits_one_transform(options))
             return draw_periodic(material, subspace, options, sink, executor, progress);
-        SATEEN_TRY(const ToroidalNoise noise,
-                   ToroidalNoise::create(material, options, executor));
-        Image texture = noise.draw(material, subspace, executor);
+        SATEEN_TRY(Image texture, draw_torus(material, subspace, options, executor));
         finish_planes(subspace, options, texture.view(), executor);
         progress.report(1, 1);
         return sink(0, texture.view());
@@ -268,7 +306,8 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
         // Deviation: [CAR2] has no answer to a recursion that does not forget its start. Its
         // spectral density is finite all the same, and is drawn instead.
         const Result<RecursivePlanes> planes = RecursivePlanes::create(subspace);
-        if (planes) return draw_in_strips(*planes, subspace, options, sink, executor, progress);
+        if (planes)
+            return draw_in_strips(*planes, subspace, options, sink, executor, progress);
         if (planes.error().code != Errc::not_stationary) return planes.error();
     }
     SATEEN_TRY(const InfinitePlanes planes,
@@ -307,21 +346,36 @@ Result<void> synthesise_tiles(
     }
     SynthesisOptions tileable = options;
     tileable.tileable = true;
-    for (std::size_t i = 0; i < subspaces.size(); ++i) {
+    PartProgress part(progress);
+    const auto draw = [&](std::size_t subspace, Executor& threads) -> Result<Image> {
+        if (!noise) return synthesise(material, subspace, tileable, threads, part);
+        Image texture = noise->draw(material, material.subspaces[subspace], threads);
+        finish_planes(material.subspaces[subspace], options, texture.view(), threads);
+        return texture;
+    };
+    // A subspace a thread, as many at a time as there are threads; what is left over
+    // shares them.
+    for (std::size_t first = 0; first < subspaces.size();) {
         if (progress.cancelled())
             return Error{Errc::cancelled, "cancelled while drawing"};
-        Image texture;
-        if (noise) {
-            const Subspace& subspace = material.subspaces[subspaces[i]];
-            texture = noise->draw(material, subspace, executor);
-            finish_planes(subspace, options, texture.view(), executor);
+        const std::size_t count =
+            std::min(executor.concurrency(), subspaces.size() - first);
+        std::vector<Result<Image>> textures(count, Result<Image>(Image()));
+        if (count < executor.concurrency()) {
+            for (std::size_t i = 0; i < count; ++i)
+                textures[i] = draw(subspaces[first + i], executor);
         } else {
-            Progress silent;
-            SATEEN_TRY(texture,
-                       synthesise(material, subspaces[i], tileable, executor, silent));
+            parallel_for(executor, count, [&](std::size_t i) {
+                SerialExecutor serial;
+                textures[i] = draw(subspaces[first + i], serial);
+            });
         }
-        SATEEN_CHECK(take(subspaces[i], std::move(texture)));
-        progress.report(static_cast<double>(i + 1),
+        for (std::size_t i = 0; i < count; ++i) {
+            SATEEN_TRY(Image texture, std::move(textures[i]));
+            SATEEN_CHECK(take(subspaces[first + i], std::move(texture)));
+        }
+        first += count;
+        progress.report(static_cast<double>(first),
                         static_cast<double>(subspaces.size()));
     }
     return {};

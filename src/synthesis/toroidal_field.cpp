@@ -59,8 +59,7 @@ double power_of_row(const NoiseSpectrumRow& row) {
 }
 
 // ŷ = scale √E ŵ
-void scale_row(const NoiseSpectrumRow& row, float scale, float* HWY_RESTRICT re,
-               float* HWY_RESTRICT im) {
+void scale_row(const NoiseSpectrumRow& row, float scale, float* re, float* im) {
     const hn::ScalableTag<float> d;
     const std::size_t lanes = hn::Lanes(d);
     std::size_t n = 0;

@@ -19,7 +19,7 @@ void draw_noise(std::uint64_t seed, std::uint32_t band, PlaneView<float> out,
 /// ŷ_t = √(E_t) ŵ_t with ŷ_0 = 0, scaled so that the drawn plane has mean 0 and variance
 /// 1: realised, not only expected, so that textures of any seed have the measured
 /// colours. \param noise     ŵ, the half spectrum of white noise of a (rows, cols) torus
-/// \param spectrum  written; a plane without any power becomes zero
+/// \param spectrum  written, may be the noise; a plane without any power becomes zero
 void colour_noise(const PlaneField& field, std::size_t cols,
                   SplitComplexView<const float> noise, SplitComplexView<float> spectrum,
                   Executor& executor);

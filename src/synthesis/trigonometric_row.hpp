@@ -13,6 +13,13 @@
 
 namespace sateen {
 
+/// Operator * of std::complex looks for infinities, which takes longer.
+[[nodiscard]] constexpr std::complex<double> product(std::complex<double> a,
+                                                     std::complex<double> b) {
+    return {a.real() * b.real() - a.imag() * b.imag(),
+            a.real() * b.imag() + a.imag() * b.real()};
+}
+
 /// e^{-jω1 r} for r = -kMaxReach … kMaxReach.
 class RowPhases {
   public:
@@ -22,9 +29,7 @@ class RowPhases {
         for (std::size_t row = 0; row <= kMaxReach; ++row) {
             phases_[kMaxReach + row] = phase;
             phases_[kMaxReach - row] = std::conj(phase);
-            // Operator * of std::complex looks for infinities, which takes longer.
-            phase = {phase.real() * step.real() - phase.imag() * step.imag(),
-                     phase.real() * step.imag() + phase.imag() * step.real()};
+            phase = product(phase, step);
         }
     }
     [[nodiscard]] std::complex<double> operator()(int row) const {

@@ -69,6 +69,28 @@ const Car2d& car2d(const Subspace& subspace, std::size_t level, std::size_t plan
     return std::get<Car2d>(subspace.levels[level].fields[plane]);
 }
 
+TEST(AnalysisOptions, AreCheckedBeforeAnyWork) {
+    const auto message = [](const AnalysisOptions& options) {
+        const auto checked = check(options);
+        return checked ? std::string() : checked.error().message;
+    };
+    EXPECT_EQ(message({}), "");
+    EXPECT_NE(message({.subspaces = 21}).find("subspaces: found 21"), std::string::npos);
+    EXPECT_NE(message({.levels = 9}).find("levels: found 9"), std::string::npos);
+    EXPECT_NE(message({.neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::order, 14}})
+                  .find("order:14"),
+              std::string::npos);
+}
+
+TEST(AnalysisOptions, OfPaperModeGiveWayToTheUsers) {
+    EXPECT_EQ(neighbourhood_of({.paper = true}),
+              (NeighbourhoodOptions{NeighbourhoodRule::nearest, 3}));
+    EXPECT_EQ(neighbourhood_of({.field = FieldKind::gmrf2d, .paper = true}),
+              (NeighbourhoodOptions{NeighbourhoodRule::order, 4}));
+    const NeighbourhoodOptions asked{NeighbourhoodRule::evidence, 6};
+    EXPECT_EQ(neighbourhood_of({.paper = true, .neighbourhood = asked}), asked);
+}
+
 TEST(Analyse, MeanColourOfTheTextureIsThatOfTheSample) {
     for (const Image& sample : {test::discs(128, 150, 1), test::weave(160, 128, 9, 2),
                                 test::grey_noise(96, 96, 50, 8, 3)}) {
@@ -117,7 +139,7 @@ TEST(Analyse, PoolsPhotographsOfDifferentSize) {
     const auto analysis = analysed(SyntheticMeasurement(photographs),
                                    {.field = FieldKind::car2d,
                                     .levels = 1,
-                                    .neighbourhood = {NeighbourhoodRule::nearest, 3},
+                                    .neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::nearest, 3},
                                     .tone = Tone::linear});
     const Subspace& subspace = analysis.material.subspaces.at(0);
     EXPECT_EQ(subspace.members, 3U);

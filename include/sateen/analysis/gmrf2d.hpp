@@ -46,6 +46,9 @@ struct Gmrf2dOptions {
 /// 1 - 2 Σ a_s cos ω·s at its minimum over all frequencies, not only those of a grid.
 [[nodiscard]] double smallest_denominator(const Gmrf2d& field);
 
+/// σ² = 1/θ_0, a_s = θ_s/θ_0.
+[[nodiscard]] Gmrf2d as_field(const NaturalGmrf2d& natural);
+
 /// The field as the material keeps it: coefficients on the grid of the file, shrunk where
 /// the spectrum would not stay positive at every frequency, σ² such that the field has
 /// exactly the variance given.

@@ -33,7 +33,8 @@ struct Clustering {
 /// Partitions the rows of `points` (points, features) so that the sum of squared
 /// distances to the cluster means is small: K-means++ [Arthur & Vassilvitskii 2007] and
 /// Lloyd's iteration until no point changes its cluster, from `restarts` independent
-/// starts, of which the one of least inertia is kept.
+/// starts, of which the one of least inertia is kept. Of 2048 points and more the starts
+/// see a part, evenly spaced, and the one that fits it best goes on with all.
 ///
 /// No cluster is empty. There are fewer clusters than asked for only if every point is
 /// within `resolution` of a centre. Same result for any executor.

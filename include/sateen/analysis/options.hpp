@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -32,6 +33,8 @@ struct NeighbourhoodOptions {
 
 /// \error invalid_argument  says what was found and what can be given
 [[nodiscard]] Result<NeighbourhoodOptions> parse_neighbourhood(std::string_view text);
+/// \error invalid_argument  a number outside the range of its rule
+[[nodiscard]] Result<void> check(const NeighbourhoodOptions& options);
 [[nodiscard]] std::string to_string(const NeighbourhoodOptions& options);
 
 /// Which random field models the levels.
@@ -54,7 +57,8 @@ struct AnalysisOptions {
     /// automatic: of car2d and gmrf2d the one with the better Bayesian information, field
     /// by field.
     FieldKind field = FieldKind::automatic;
-    Space space = Space::kl;  ///< of car3d and sar3d
+    /// Of car3d and sar3d; none: kl, or rgb in paper mode, as [SAR] and the 3D CAR model do.
+    std::optional<Space> space = {};
     /// Exactly what [CAR2] prints: few neighbours, at most 3 levels, no marginal curves,
     /// no power compensation, fit on interior sites, drawn by causal recursion.
     bool paper = false;
@@ -63,12 +67,20 @@ struct AnalysisOptions {
     /// Levels of the pyramid, 1 … 8; 0: as many as leave the coarsest 16 pixels a side, at
     /// most 5; 3 in paper mode.
     std::size_t levels = 0;
-    NeighbourhoodOptions neighbourhood = {};
+    /// None: what neighbourhood_of() says.
+    std::optional<NeighbourhoodOptions> neighbourhood = {};
     Tone tone = Tone::srgb;
     std::uint64_t seed = 0;
     /// Go on past unreadable images.
     bool skip_bad = false;
 };
+
+/// The rule that was asked for; else evidence:6, or in paper mode what the papers use:
+/// order:4 for gmrf2d, nearest:3 for the others.
+[[nodiscard]] NeighbourhoodOptions neighbourhood_of(const AnalysisOptions& options);
+
+/// \error invalid_argument  names the option, what was found and what was expected
+[[nodiscard]] Result<void> check(const AnalysisOptions& options);
 
 /// What FieldKind::automatic chose, and what the alternatives would have been.
 struct FieldChoice {

@@ -16,7 +16,10 @@ using OrientedContrast = std::array<double, 4>;
 
 /// Of a plane of L, 0 … 100; it is rounded to 1/255 of that range, so that the sums are of
 /// integers, and NaN counts as 0. Directions in which the plane is too small give 0.
+/// \param step  (0, step), (d, -d), (step, 0) and (d, d) are compared, d the nearest to
+///              step/√2: 3, or less where pixels were left out between those of the plane
 /// \cost about 1 ns a pixel
-[[nodiscard]] OrientedContrast oriented_contrast(PlaneView<const float> L);
+[[nodiscard]] OrientedContrast oriented_contrast(PlaneView<const float> L,
+                                                 std::size_t step = 3);
 
 }  // namespace sateen

@@ -29,6 +29,8 @@ class CorrelationMap {
     [[nodiscard]] double inverse(double correlation) const;
 
   private:
+    void tabulate_inverse();
+
     static constexpr std::size_t kTerms = 24;
     static constexpr std::size_t kTable = 4096;
     std::array<double, kTerms> weights_{};      ///< c_n² / Σ c_n², n = 1, 2, …

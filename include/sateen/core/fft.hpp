@@ -49,12 +49,17 @@ struct CacheLineAllocator {
 };
 }  // namespace detail
 
-/// An owning split-complex plane, zero on construction. Rows start on cache lines, so the
+/// An owning split-complex plane, zero on construction unless said. Rows start on cache lines, so the
 /// stride of its views is not always the number of columns.
 class SplitComplexPlane {
   public:
     SplitComplexPlane() = default;
     SplitComplexPlane(std::size_t rows, std::size_t cols)
+        : rows_(rows),
+          cols_(cols),
+          stride_((cols + kLine - 1) / kLine * kLine),
+          values_(2 * rows * stride_, 0.0F) {}
+    SplitComplexPlane(std::size_t rows, std::size_t cols, Uninitialised)
         : rows_(rows),
           cols_(cols),
           stride_((cols + kLine - 1) / kLine * kLine),
@@ -75,7 +80,8 @@ class SplitComplexPlane {
     std::size_t rows_ = 0;
     std::size_t cols_ = 0;
     std::size_t stride_ = 0;
-    std::vector<float, detail::CacheLineAllocator<float>> values_;
+    std::vector<float, detail::UninitialisedAllocator<float, detail::CacheLineAllocator<float>>>
+        values_;
 };
 
 /// The two-dimensional DFT of one real plane and its inverse.

@@ -6,11 +6,43 @@
 
 #include <cassert>
 #include <cstddef>
+#include <memory>
+#include <new>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace sateen {
+
+/// Asks for memory as it comes, where all of it is written before it is read: zeroing a
+/// texture takes as long as drawing its noise.
+struct Uninitialised {};
+inline constexpr Uninitialised uninitialised;
+
+namespace detail {
+/// std::vector<T, …>(n) leaves its elements uninitialised.
+template <class T, class Base = std::allocator<T>>
+struct UninitialisedAllocator : Base {
+    using value_type = T;
+    template <class U>
+    struct rebind {
+        using other = UninitialisedAllocator<
+            U, typename std::allocator_traits<Base>::template rebind_alloc<U>>;
+    };
+    UninitialisedAllocator() = default;
+    template <class U, class B>
+    UninitialisedAllocator(const UninitialisedAllocator<U, B>&) {}
+    template <class U>
+    void construct(U* at) {
+        ::new (static_cast<void*>(at)) U;
+    }
+    template <class U, class... Args>
+    void construct(U* at, Args&&... args) {
+        ::new (static_cast<void*>(at)) U(std::forward<Args>(args)...);
+    }
+};
+}  // namespace detail
 
 /// One plane of an image: rows of contiguous columns, rows `stride` elements apart.
 template <class T>
@@ -70,12 +102,14 @@ struct ImageView {
     [[nodiscard]] std::size_t size() const { return bands * rows * cols; }
 };
 
-/// An owning planar image, zero on construction.
+/// An owning planar image, zero on construction unless said.
 template <class T>
 class BasicImage {
   public:
     BasicImage() = default;
     BasicImage(std::size_t bands, std::size_t rows, std::size_t cols)
+        : values_(bands * rows * cols, T()), bands_(bands), rows_(rows), cols_(cols) {}
+    BasicImage(std::size_t bands, std::size_t rows, std::size_t cols, Uninitialised)
         : values_(bands * rows * cols), bands_(bands), rows_(rows), cols_(cols) {}
 
     [[nodiscard]] std::size_t bands() const { return bands_; }
@@ -103,7 +137,7 @@ class BasicImage {
     [[nodiscard]] std::span<const T> values() const { return values_; }
 
   private:
-    std::vector<T> values_;
+    std::vector<T, detail::UninitialisedAllocator<T>> values_;
     std::size_t bands_ = 0;
     std::size_t rows_ = 0;
     std::size_t cols_ = 0;

@@ -18,4 +18,15 @@ class Progress {
     [[nodiscard]] virtual bool cancelled() const { return false; }
 };
 
+/// Of one part of a larger piece of work: cancelled with the whole, and silent, since the
+/// whole reports when the part is done.
+class PartProgress final : public Progress {
+  public:
+    explicit PartProgress(const Progress& whole) : whole_(whole) {}
+    [[nodiscard]] bool cancelled() const override { return whole_.cancelled(); }
+
+  private:
+    const Progress& whole_;
+};
+
 }  // namespace sateen
