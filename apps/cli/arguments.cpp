@@ -77,6 +77,12 @@ Size parse_size(const std::string& text) {
     return {*cols, *rows};
 }
 
+WantedSize parse_wanted_size(const std::string& text) {
+    constexpr std::string_view kBest = "best:";
+    if (text.starts_with(kBest)) return {parse_size(text.substr(kBest.size())), true};
+    return {parse_size(text), false};
+}
+
 Position parse_position(const std::string& text) {
     constexpr std::int32_t kFurthest = 1 << 30;
     const auto [left, right] = split(text, ',');

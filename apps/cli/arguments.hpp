@@ -27,6 +27,12 @@ struct Size {
     std::size_t rows = 512;
 };
 
+/// A size, or the best one near it for the pattern of the material.
+struct WantedSize {
+    Size size;
+    bool best = false;
+};
+
 struct Position {
     std::int32_t col = 0;
     std::int32_t row = 0;
@@ -41,6 +47,8 @@ struct Position {
 
 /// "WxH" or "N" for a square. Throws CLI::ValidationError, as CLI11 wants it.
 [[nodiscard]] Size parse_size(const std::string& text);
+/// The same, or "best:" before it.
+[[nodiscard]] WantedSize parse_wanted_size(const std::string& text);
 /// "X,Y", whole numbers that may be negative.
 [[nodiscard]] Position parse_position(const std::string& text);
 /// "THETA,PHI" in degrees.

@@ -34,6 +34,7 @@ struct ModelArguments {
     std::string neighbourhood = "auto";
     std::string encoding = "auto";
     std::string report;
+    std::string structure = "auto";
     bool paper = false;
     bool skip_bad = false;
 };
@@ -51,6 +52,7 @@ std::string recorded_options(const ModelArguments& arguments) {
     add("--levels", arguments.levels);
     add("--neighbourhood", arguments.neighbourhood);
     add("--encoding", arguments.encoding);
+    add("--structure", arguments.structure);
     if (arguments.common.seed != 0) add("--seed", std::to_string(arguments.common.seed));
     return text;
 }
@@ -66,6 +68,7 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
     if (arguments.neighbourhood != "auto") {
         SATEEN_TRY(options.neighbourhood, parse_neighbourhood(arguments.neighbourhood));
     }
+    options.structure = arguments.structure == "auto";
     options.seed = arguments.common.seed;
     options.skip_bad = arguments.skip_bad;
     return options;
@@ -73,14 +76,16 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
 
 /// Why the automatic field is what it is.
 nlohmann::ordered_json choice_json(const FieldChoice& choice) {
-    return {{"criterion", "Bayesian information n D + k ln n with Whittle's deviance D, "
-                          "smaller is better; both models at equal bytes a coefficient"},
+    return {{"criterion",
+             "Bayesian information n D + k ln n with Whittle's deviance D, "
+             "smaller is better; both models at equal bytes a coefficient"},
             {"fields", {{"car2d", choice.car2d}, {"gmrf2d", choice.gmrf2d}}},
             {"all_car2d", choice.information_car2d},
             {"all_gmrf2d", choice.information_gmrf2d},
             {"as_chosen", choice.information},
-            {"not_considered", "car3d, sar3d: no better than planes apart after the "
-                               "Karhunen-Loève transform, at 3 times the coefficients"}};
+            {"not_considered",
+             "car3d, sar3d: no better than planes apart after the "
+             "Karhunen-Loève transform, at 3 times the coefficients"}};
 }
 
 void print_summary(const ModelArguments& arguments, const Analysis& analysis,
@@ -143,10 +148,10 @@ Result<void> run_model(const ModelArguments& arguments) {
     SATEEN_TRY(const std::size_t bytes,
                save_material(arguments.output, analysis.material));
     if (!arguments.report.empty()) {
-        SATEEN_TRY(const std::string page, model_page(analysis, *measurement, bytes,
-                                                      *executor, progress));
-        SATEEN_CHECK(write_file(
-            arguments.report, std::vector<std::uint8_t>(page.begin(), page.end())));
+        SATEEN_TRY(const std::string page,
+                   model_page(analysis, *measurement, bytes, *executor, progress));
+        SATEEN_CHECK(write_file(arguments.report,
+                                std::vector<std::uint8_t>(page.begin(), page.end())));
     }
 
     progress.clear();
@@ -204,6 +209,11 @@ Verb add_model(CLI::App& program) {
             const auto parsed = parse_neighbourhood(text);
             return parsed ? std::string() : parsed.error().message;
         });
+    verb->add_option("--structure", arguments->structure,
+                     "Patterns that repeat: auto, or none for purely random fields")
+        ->type_name("KIND")
+        ->check(CLI::IsMember({"auto", "none"}))
+        ->capture_default_str();
     verb->add_option("--encoding", arguments->encoding,
                      "How files encode values: auto, srgb, gamma2.2 or linear")
         ->type_name("CURVE")

@@ -17,10 +17,14 @@
 #include "sateen/io/image_file.hpp"
 #include "sateen/io/material_file.hpp"
 #include "sateen/synthesis/synthesise.hpp"
+#include "sateen/synthesis/torus_size.hpp"
 #include "verbs.hpp"
 
 namespace sateen::cli {
 namespace {
+
+/// A pattern stretched by more is worth a word.
+constexpr double kNoticeableStrain = 0.02;
 
 struct SynthesiseArguments {
     CommonArguments common;
@@ -38,8 +42,15 @@ struct SynthesiseArguments {
     bool all = false;
 };
 
-SynthesisOptions synthesis_options(const SynthesiseArguments& arguments) {
-    const Size size = parse_size(arguments.size);
+/// The size that was asked for, or the one near it on which the pattern is strained least.
+TorusSize chosen_size(const SynthesiseArguments& arguments, const Material& material) {
+    const WantedSize wanted = parse_wanted_size(arguments.size);
+    return wanted.best ? best_torus(material, wanted.size.rows, wanted.size.cols)
+                       : torus_of(material, wanted.size.rows, wanted.size.cols);
+}
+
+SynthesisOptions synthesis_options(const SynthesiseArguments& arguments,
+                                   const TorusSize& size) {
     const Position offset = parse_position(arguments.offset);
     SynthesisOptions options;
     options.rows = size.rows;
@@ -60,8 +71,9 @@ WriteOptions write_options(const SynthesiseArguments& arguments, Executor& execu
 }
 
 Result<void> write_one(const SynthesiseArguments& arguments, const Material& material,
-                       std::size_t subspace, Executor& executor, Progress& progress) {
-    const SynthesisOptions options = synthesis_options(arguments);
+                       const TorusSize& size, std::size_t subspace, Executor& executor,
+                       Progress& progress) {
+    const SynthesisOptions options = synthesis_options(arguments, size);
     SATEEN_TRY(const std::unique_ptr<ImageWriter> writer,
                ImageWriter::open(arguments.output, material.bands, options.rows,
                                  options.cols, write_options(arguments, executor)));
@@ -75,7 +87,8 @@ Result<void> write_one(const SynthesiseArguments& arguments, const Material& mat
 }
 
 Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
-                                           const Material& material, Executor& executor,
+                                           const Material& material,
+                                           const TorusSize& size, Executor& executor,
                                            Progress& progress) {
     std::error_code failure;
     if (std::filesystem::exists(arguments.output, failure) &&
@@ -97,7 +110,7 @@ Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
         written.push_back(path);
         return {};
     };
-    SATEEN_CHECK(synthesise_tiles(material, subspaces, synthesis_options(arguments),
+    SATEEN_CHECK(synthesise_tiles(material, subspaces, synthesis_options(arguments, size),
                                   write, executor, progress));
     return written;
 }
@@ -105,7 +118,7 @@ Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
 Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     const auto start = std::chrono::steady_clock::now();
     SATEEN_TRY(const Material material, load_material(arguments.material));
-    const Size size = parse_size(arguments.size);
+    const TorusSize size = chosen_size(arguments, material);
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
     ConsoleProgress progress;
     progress.stage("drawing");
@@ -114,18 +127,30 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     const std::size_t subspace = arguments.subspace.value_or(nearest_subspace(
         material, parse_direction(arguments.view), parse_direction(arguments.light)));
     if (arguments.all) {
-        SATEEN_TRY(written, write_all(arguments, material, *executor, progress));
+        SATEEN_TRY(written, write_all(arguments, material, size, *executor, progress));
     } else {
-        SATEEN_CHECK(write_one(arguments, material, subspace, *executor, progress));
+        SATEEN_CHECK(write_one(arguments, material, size, subspace, *executor, progress));
     }
 
     progress.clear();
+    const bool tileable = arguments.tileable || arguments.all;
+    if (tileable && size.strain > kNoticeableStrain) {
+        const TorusSize better = best_torus(material, size.rows, size.cols);
+        if (better.strain < size.strain)
+            fmt::print(
+                stderr,
+                "sateen: the pattern is stretched by {:.1f} % to close on {}x{}; on "
+                "{}x{} by {:.1f} % (--size best:{}x{})\n",
+                100 * size.strain, size.cols, size.rows, better.cols, better.rows,
+                100 * better.strain, size.cols, size.rows);
+    }
     const std::chrono::duration<double> elapsed =
         std::chrono::steady_clock::now() - start;
     if (arguments.common.json) {
         nlohmann::ordered_json json;
         json["written"] = written;
         json["size"] = {size.cols, size.rows};
+        if (tileable && material.structure) json["strain"] = size.strain;
         json["seed"] = arguments.common.seed;
         if (!arguments.all) json["subspace"] = subspace;
         json["seconds"] = elapsed.count();
@@ -159,10 +184,11 @@ Verb add_synthesise(CLI::App& program) {
         };
     };
     verb->add_option("--size", arguments->size,
-                     "Width x height in pixels, or one number for a square")
+                     "Width x height in pixels, or one number for a square;\n"
+                     "best:WxH: near it, where the pattern closes best")
         ->type_name("WxH")
         ->capture_default_str()
-        ->check(checked(parse_size));
+        ->check(checked(parse_wanted_size));
     auto* offset =
         verb->add_option("--offset", arguments->offset,
                          "Top left corner of the window of the infinite plane,\n"

@@ -9,11 +9,18 @@
 #include <utility>
 
 #include "analysis/fit_subspace.hpp"
+#include "analysis/periodic_layer.hpp"
 #include "analysis/window.hpp"
 #include "sateen/analysis/segment.hpp"
+#include "sateen/analysis/spectral.hpp"
 
 namespace sateen {
 namespace {
+
+/// Patterns are looked for in so many representatives of a BTF; light from the side counts
+/// so much less than a view from the side.
+constexpr std::size_t kMostSeen = 3;
+constexpr float kLightTilt = 0.3F;
 
 /// What the material says of the measurement as a whole.
 Material describe(const MeasurementInfo& info, const AnalysisOptions& options) {
@@ -93,8 +100,8 @@ constexpr std::size_t kPooledPixels = std::size_t{1} << 23U;
 /// At most `pixels` out of the middle, of the shape of the image.
 Image at_most(std::size_t pixels, Image image) {
     if (image.plane_size() <= pixels) return image;
-    const double share = std::sqrt(static_cast<double>(pixels) /
-                                   static_cast<double>(image.plane_size()));
+    const double share =
+        std::sqrt(static_cast<double>(pixels) / static_cast<double>(image.plane_size()));
     const auto part = [share](std::size_t side) {
         return std::max<std::size_t>(
             1, static_cast<std::size_t>(share * static_cast<double>(side)));
@@ -127,11 +134,48 @@ Result<std::vector<Image>> read_all(const Measurement& measurement,
     return images;
 }
 
+/// The representatives that see the material best, from above and lit from above.
+std::vector<std::size_t> best_seen(const MeasurementInfo& info,
+                                   const Representatives& representatives) {
+    std::vector<std::size_t> order;
+    for (const auto& observations : representatives.observations)
+        order.push_back(observations.front());
+    if (!info.has_directions()) return order;
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) {
+        const Observation& at = info.observations[i];
+        return info.views[at.view].theta + kLightTilt * info.lights[at.light].theta;
+    });
+    order.resize(std::min(order.size(), kMostSeen));
+    return order;
+}
+
+/// The periodic layer of a material: of the representative whose pattern is plainest.
+/// Several photographs of a material have no pixels in common: they are modelled without.
+Result<std::optional<AlignedLayer>> find_layer(const Measurement& measurement,
+                                               const Representatives& representatives,
+                                               Tone tone, Executor& executor) {
+    std::optional<AlignedLayer> best;
+    if (representatives.observations.front().size() > 1) return best;
+    for (const std::size_t i : best_seen(measurement.info(), representatives)) {
+        std::vector<std::string> notes;
+        Result<std::vector<Image>> images =
+            read_all(measurement, {i}, false, notes, executor);
+        if (!images) continue;  // reported, or skipped, where it is modelled
+        std::vector<Image> toned;
+        toned.push_back(apply_tone(images->front(), tone));
+        const Image planes =
+            decorrelate(toned.front(), fit_spectral_transform(toned, tone));
+        SATEEN_TRY(std::optional<AlignedLayer> layer, align_layer(planes, executor));
+        if (layer && (!best || layer->periodicity > best->periodicity))
+            best = std::move(layer);
+    }
+    return best;
+}
+
 }  // namespace
 
-Result<Analysis> analyse(const Measurement& measurement,
-                         const AnalysisOptions& options, Executor& executor,
-                         Progress& progress) {
+Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& options,
+                         Executor& executor, Progress& progress) {
     SATEEN_CHECK(check(options));
     const MeasurementInfo& info = measurement.info();
     Analysis result{describe(info, options), info.skipped, {}, {}};
@@ -143,7 +187,16 @@ Result<Analysis> analyse(const Measurement& measurement,
         choose_representatives(measurement, options, result.notes, executor, progress));
     material.index = index_table(info, representatives.labels);
 
-    // 2. Factorise each representative and estimate its fields. The first subspace comes
+    // 2. Find the pattern of the material, if it has one: the same for all subspaces.
+    std::optional<AlignedLayer> layer;
+    if (options.structure && !options.paper) {
+        progress.stage("looking for a pattern");
+        SATEEN_TRY(layer,
+                   find_layer(measurement, representatives, options.tone, executor));
+    }
+    if (layer) material.structure = Structure{layer->layer};
+
+    // 3. Factorise each representative and estimate its fields. The first subspace comes
     // first:
     //    the others align their spectral transforms with it.
     progress.stage("modelling");
@@ -154,9 +207,11 @@ Result<Analysis> analyse(const Measurement& measurement,
     const SpectralTransform* reference = nullptr;
     const auto fit = [&](std::size_t k) {
         std::vector<std::string> notes;
-        Result<std::vector<Image>> images = read_all(
-            measurement, representatives.observations[k], options.skip_bad, notes, executor);
-        fits[k] = images ? fit_subspace(std::move(*images), options, reference, executor)
+        Result<std::vector<Image>> images =
+            read_all(measurement, representatives.observations[k], options.skip_bad,
+                     notes, executor);
+        fits[k] = images ? fit_subspace(std::move(*images), options, reference,
+                                        layer ? &*layer : nullptr, executor)
                          : Result<SubspaceFit>(std::move(images).error());
         const std::lock_guard lock(mutex);
         if (*fits[k])

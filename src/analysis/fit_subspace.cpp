@@ -223,7 +223,8 @@ std::size_t choose_levels(std::size_t side_px, const AnalysisOptions& options) {
 
 Result<SubspaceFit> fit_subspace(std::vector<Image> images,
                                  const AnalysisOptions& options,
-                                 const SpectralTransform* reference, Executor& executor) {
+                                 const SpectralTransform* reference,
+                                 const AlignedLayer* layer, Executor& executor) {
     std::size_t side = std::numeric_limits<std::size_t>::max();
     for (const Image& image : images) side = std::min({side, image.rows(), image.cols()});
     const std::size_t levels = choose_levels(side, options);
@@ -232,18 +233,33 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     for (Image& image : images) image = apply_tone(image, options.tone);
     SubspaceFit fit;
     Subspace& subspace = fit.subspace;
-    subspace.spectral = fit_spectral_transform(images, options.tone);
-    const Space space = options.space.value_or(options.paper ? Space::rgb : Space::kl);
-    if (is_joint_kind(options.field) && space == Space::rgb)
-        subspace.spectral = untransformed(std::move(subspace.spectral));
-    else if (reference != nullptr)
-        align(subspace.spectral, *reference);
-    for (Image& image : images)
-        image = decorrelate(crop_to_lattice(std::move(image), levels), subspace.spectral);
+    Image patterned;
+    if (layer != nullptr) {
+        SeparatedImage separated =
+            separate(images.front(), *layer, options.tone, reference, executor);
+        subspace.spectral = std::move(separated.spectral);
+        subspace.structure = std::move(separated.structure);
+        patterned = std::move(separated.planes);
+        images = {crop_to_lattice(std::move(separated.residual), levels)};
+    } else {
+        subspace.spectral = fit_spectral_transform(images, options.tone);
+        const Space space =
+            options.space.value_or(options.paper ? Space::rgb : Space::kl);
+        if (is_joint_kind(options.field) && space == Space::rgb)
+            subspace.spectral = untransformed(std::move(subspace.spectral));
+        else if (reference != nullptr)
+            align(subspace.spectral, *reference);
+        for (Image& image : images)
+            image =
+                decorrelate(crop_to_lattice(std::move(image), levels), subspace.spectral);
+    }
 
     // 2. The marginal of every plane.
     const std::size_t d = subspace.spectral.mean.size();
     subspace.marginals = fit_marginals(images, d, options);
+    if (layer != nullptr)
+        fit_tone_curves(patterned, layer->layer, subspace.marginals,
+                        subspace.structure->cells);
 
     // 3. The pyramid and the fields of every level.
     subspace.levels.resize(levels);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/periodic_layer.hpp"
 #include "sateen/analysis/options.hpp"
 #include "sateen/core/image.hpp"
 #include "sateen/core/parallel.hpp"
@@ -23,12 +24,15 @@ struct SubspaceFit {
 /// \param images     linear, of one number of bands: a representative image, or photographs
 ///                   whose statistics are pooled
 /// \param reference  the transform to align with, or null
+/// \param layer      the periodic layer to take away first, of one image; or null
 [[nodiscard]] Result<SubspaceFit> fit_subspace(std::vector<Image> images,
                                                const AnalysisOptions& options,
                                                const SpectralTransform* reference,
+                                               const AlignedLayer* layer,
                                                Executor& executor);
 
 /// The number of levels for samples whose smaller side is `side_px`, by the options.
-[[nodiscard]] std::size_t choose_levels(std::size_t side_px, const AnalysisOptions& options);
+[[nodiscard]] std::size_t choose_levels(std::size_t side_px,
+                                        const AnalysisOptions& options);
 
 }  // namespace sateen

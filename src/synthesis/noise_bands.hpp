@@ -20,5 +20,9 @@ inline std::uint32_t coarse_noise_band(std::uint32_t plane) {
 inline std::uint32_t recursion_noise_band(std::uint32_t plane, std::size_t level) {
     return 8 + 4 * static_cast<std::uint32_t>(level) + plane;
 }
+/// The displacement of a periodic layer: rows, columns.
+inline std::uint32_t displacement_noise_band(std::uint32_t axis) {
+    return 64 + axis;
+}
 
 }  // namespace sateen

@@ -13,6 +13,7 @@
 #include "synthesis/infinite_field.hpp"
 #include "synthesis/joint_field.hpp"
 #include "synthesis/noise_bands.hpp"
+#include "synthesis/periodic_layer.hpp"
 #include "synthesis/recursive_field.hpp"
 #include "synthesis/spectral_density.hpp"
 #include "synthesis/toroidal_field.hpp"
@@ -53,12 +54,6 @@ Result<void> check_subspace(const Material& material, std::size_t subspace) {
 bool fits_one_transform(const SynthesisOptions& options) {
     return is_fft_size(options.rows) && is_fft_size(options.cols) &&
            options.rows * options.cols <= kWholeTextureSites;
-}
-
-/// From fields to reflectance, unless the caller wants the fields.
-void finish_planes(const Subspace& subspace, const SynthesisOptions& options,
-                   ImageView<float> planes, Executor& executor) {
-    if (!options.fields_only) invert_spectral(subspace, planes, executor);
 }
 
 /// Shifts and scales a plane to mean 0 and variance 1; leaves a constant one.
@@ -235,12 +230,53 @@ class RecursivePlanes {
     std::vector<RecursiveField> fields_;
 };
 
+/// From fields to reflectance, unless the caller wants the fields: the periodic layer, where
+/// the material has one, then marginal curves, spectral transform and tone.
+class Finish {
+  public:
+    static Result<Finish> create(const Material& material,
+                                 const SynthesisOptions& options, Period period,
+                                 Executor& executor) {
+        Finish finish;
+        finish.fields_only_ = options.fields_only;
+        if (!material.structure || options.fields_only) return finish;
+        finish.structure_ = &*material.structure;
+        SATEEN_TRY(finish.phase_, PeriodicPhase::create(material.structure->periodic,
+                                                        options.seed, period, executor));
+        return finish;
+    }
+    void operator()(const Subspace& subspace, std::int32_t row, std::int32_t col,
+                    ImageView<float> planes, Executor& executor) const {
+        if (fields_only_) return;
+        if (!phase_) {
+            invert_spectral(subspace, planes, executor);
+            return;
+        }
+        apply_periodic_layer(*structure_, subspace, *phase_, row, col, planes, executor);
+        Subspace coloured;
+        coloured.spectral = subspace.spectral;
+        coloured.marginals.assign(planes.bands, Marginal{1, {}});
+        invert_spectral(coloured, planes, executor);
+    }
+
+  private:
+    bool fields_only_ = false;
+    const Structure* structure_ = nullptr;
+    std::optional<PeriodicPhase> phase_;
+};
+
+Period period_of(const SynthesisOptions& options) {
+    return {static_cast<std::int32_t>(options.rows),
+            static_cast<std::int32_t>(options.cols)};
+}
+
 /// Draws a window from top to bottom in strips that end on the block borders of the
 /// planes.
 template <class Planes>
-Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
-                            const SynthesisOptions& options, const StripSink& sink,
-                            Executor& executor, Progress& progress) {
+Result<void> draw_in_strips(const Planes& planes, const Finish& finish,
+                            const Subspace& subspace, const SynthesisOptions& options,
+                            const StripSink& sink, Executor& executor,
+                            Progress& progress) {
     const std::size_t bands = subspace.marginals.size();
     const auto step = static_cast<std::int64_t>(planes.strip_rows());
     std::size_t row = 0;
@@ -255,7 +291,8 @@ Result<void> draw_in_strips(const Planes& planes, const Subspace& subspace,
         Image strip(bands, count, options.cols, uninitialised);
         SATEEN_CHECK(planes.draw(options.seed, static_cast<std::int32_t>(at),
                                  options.offset_col, strip.view(), executor));
-        finish_planes(subspace, options, strip.view(), executor);
+        finish(subspace, static_cast<std::int32_t>(at), options.offset_col, strip.view(),
+               executor);
         SATEEN_CHECK(sink(row, strip.view()));
         row += count;
         progress.report(static_cast<double>(row), static_cast<double>(options.rows));
@@ -269,18 +306,19 @@ Result<void> draw_periodic(const Material& material, const Subspace& subspace,
                            Executor& executor, Progress& progress) {
     options.offset_row = 0;
     options.offset_col = 0;
-    const Period period{static_cast<std::int32_t>(options.rows),
-                        static_cast<std::int32_t>(options.cols)};
+    const Period period = period_of(options);
+    SATEEN_TRY(const Finish finish, Finish::create(material, options, period, executor));
     SATEEN_TRY(const InfinitePlanes planes,
                InfinitePlanes::create(material, subspace, period, executor));
     if (options.rows * options.cols > kWholeTextureSites)
-        return draw_in_strips(planes, subspace, options, sink, executor, progress);
+        return draw_in_strips(planes, finish, subspace, options, sink, executor,
+                              progress);
 
     Image whole(subspace.marginals.size(), options.rows, options.cols, uninitialised);
     SATEEN_CHECK(planes.draw(options.seed, 0, 0, whole.view(), executor));
     for (std::size_t plane = 0; plane < whole.bands(); ++plane)
         standardise(whole.plane(plane));
-    finish_planes(subspace, options, whole.view(), executor);
+    finish(subspace, 0, 0, whole.view(), executor);
     progress.report(1, 1);
     return sink(0, whole.view());
 }
@@ -297,22 +335,27 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
     if (options.tileable) {
         if (!fits_one_transform(options))
             return draw_periodic(material, subspace, options, sink, executor, progress);
+        SATEEN_TRY(const Finish finish,
+                   Finish::create(material, options, period_of(options), executor));
         SATEEN_TRY(Image texture, draw_torus(material, subspace, options, executor));
-        finish_planes(subspace, options, texture.view(), executor);
+        finish(subspace, 0, 0, texture.view(), executor);
         progress.report(1, 1);
         return sink(0, texture.view());
     }
+    SATEEN_TRY(const Finish finish,
+               Finish::create(material, options, Period{}, executor));
     if (options.recursive || material.drawing == Drawing::recursive) {
         // Deviation: [CAR2] has no answer to a recursion that does not forget its start. Its
         // spectral density is finite all the same, and is drawn instead.
         const Result<RecursivePlanes> planes = RecursivePlanes::create(subspace);
         if (planes)
-            return draw_in_strips(*planes, subspace, options, sink, executor, progress);
+            return draw_in_strips(*planes, finish, subspace, options, sink, executor,
+                                  progress);
         if (planes.error().code != Errc::not_stationary) return planes.error();
     }
     SATEEN_TRY(const InfinitePlanes planes,
                InfinitePlanes::create(material, subspace, Period{}, executor));
-    return draw_in_strips(planes, subspace, options, sink, executor, progress);
+    return draw_in_strips(planes, finish, subspace, options, sink, executor, progress);
 }
 
 Result<Image> synthesise(const Material& material, std::size_t subspace,
@@ -341,8 +384,11 @@ Result<void> synthesise_tiles(
     SATEEN_CHECK(check_window(options));
     for (const std::size_t k : subspaces) SATEEN_CHECK(check_subspace(material, k));
     std::optional<ToroidalNoise> noise;
+    std::optional<Finish> finish;
     if (fits_one_transform(options)) {
         SATEEN_TRY(noise, ToroidalNoise::create(material, options, executor));
+        SATEEN_TRY(finish,
+                   Finish::create(material, options, period_of(options), executor));
     }
     SynthesisOptions tileable = options;
     tileable.tileable = true;
@@ -350,7 +396,7 @@ Result<void> synthesise_tiles(
     const auto draw = [&](std::size_t subspace, Executor& threads) -> Result<Image> {
         if (!noise) return synthesise(material, subspace, tileable, threads, part);
         Image texture = noise->draw(material, material.subspaces[subspace], threads);
-        finish_planes(material.subspaces[subspace], options, texture.view(), threads);
+        (*finish)(material.subspaces[subspace], 0, 0, texture.view(), threads);
         return texture;
     };
     // A subspace a thread, as many at a time as there are threads; what is left over

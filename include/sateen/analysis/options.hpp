@@ -70,6 +70,8 @@ struct AnalysisOptions {
     /// None: what neighbourhood_of() says.
     std::optional<NeighbourhoodOptions> neighbourhood = {};
     Tone tone = Tone::srgb;
+    /// Look for a pattern that repeats; never in paper mode.
+    bool structure = true;
     std::uint64_t seed = 0;
     /// Go on past unreadable images.
     bool skip_bad = false;

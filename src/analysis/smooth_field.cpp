@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Estimating smooth fields. See smooth_field.hpp.
+#include "analysis/smooth_field.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace sateen {
+namespace {
+
+constexpr std::size_t kScales = SmoothField::kScales;
+constexpr std::size_t kWeights = kScales * kScales;
+constexpr std::size_t kFurthestLag = 40;
+constexpr int kSweeps = 400;
+
+/// exp(-r²/4s²) of every scale.
+std::array<double, kScales> bells(std::size_t lag) {
+    std::array<double, kScales> values{};
+    for (std::size_t k = 0; k < kScales; ++k) {
+        const double x = static_cast<double>(lag) / std::ldexp(2.0, static_cast<int>(k));
+        values[k] = std::exp(-x * x);
+    }
+    return values;
+}
+
+/// The mean of y(x) y(x + (row, ±col)): a mixture of bells is even in both.
+double covariance(PlaneView<const float> y, std::size_t row, std::size_t col) {
+    double sum = 0;
+    for (std::size_t r = 0; r + row < y.rows; ++r)
+        for (std::size_t c = 0; c + col < y.cols; ++c)
+            sum +=
+                static_cast<double>(y(r, c)) * static_cast<double>(y(r + row, c + col)) +
+                static_cast<double>(y(r, c + col)) * static_cast<double>(y(r + row, c));
+    return sum / (2 * static_cast<double>((y.rows - row) * (y.cols - col)));
+}
+
+}  // namespace
+
+SmoothField fit_smooth_field(PlaneView<const float> sample, Executor& executor) {
+    SmoothField field;
+    const std::size_t down = std::min(kFurthestLag, sample.rows / 2);
+    const std::size_t across = std::min(kFurthestLag, sample.cols / 2);
+    std::vector<double> R((down + 1) * (across + 1));
+    parallel_for(executor, down + 1, [&](std::size_t r) {
+        for (std::size_t c = 0; c <= across; ++c)
+            R[r * (across + 1) + c] = covariance(sample, r, c);
+    });
+    if (!(R[0] > 0)) return field;
+
+    // Normal equations of R/R(0) = Σ w_jk bell_j(r) bell_k(c).
+    std::array<double, kWeights * kWeights> G{};
+    std::array<double, kWeights> h{};
+    for (std::size_t r = 0; r <= down; ++r)
+        for (std::size_t c = 0; c <= across; ++c) {
+            const auto of_row = bells(r);
+            const auto of_col = bells(c);
+            const double weight =
+                1 / (1 + std::hypot(static_cast<double>(r), static_cast<double>(c)));
+            std::array<double, kWeights> bell{};
+            for (std::size_t i = 0; i < kWeights; ++i)
+                bell[i] = of_row[i / kScales] * of_col[i % kScales];
+            for (std::size_t i = 0; i < kWeights; ++i) {
+                h[i] += weight * bell[i] * R[r * (across + 1) + c] / R[0];
+                for (std::size_t j = 0; j < kWeights; ++j)
+                    G[i * kWeights + j] += weight * bell[i] * bell[j];
+            }
+        }
+    std::array<double, kWeights> w{};
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+        for (std::size_t i = 0; i < kWeights; ++i) {
+            double gradient = h[i];
+            for (std::size_t j = 0; j < kWeights; ++j)
+                gradient -= G[i * kWeights + j] * w[j];
+            w[i] = std::max(0.0, w[i] + gradient / G[i * kWeights + i]);
+        }
+
+    const double largest = *std::ranges::max_element(w);
+    if (!(largest > 0)) return field;
+    field.deviation = static_cast<float>(std::sqrt(R[0]));
+    for (std::size_t i = 0; i < kWeights; ++i)
+        field.weights[i] = static_cast<std::uint8_t>(std::lround(255 * w[i] / largest));
+    return field;
+}
+
+}  // namespace sateen

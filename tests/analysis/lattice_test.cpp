@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lattices of known patterns, and none in random fields.
+#include "sateen/analysis/lattice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "analysis/smooth_part.hpp"
+#include "sateen/synthesis/synthesise.hpp"
+#include "support/materials.hpp"
+
+namespace sateen {
+namespace {
+
+using Vector = std::array<double, 2>;
+
+/// A smooth pattern with harmonics up to the second, plus white noise.
+Image pattern(const Vector& a, const Vector& b, double noise, std::size_t rows,
+              std::size_t cols, std::uint64_t seed) {
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<float> normal;
+    Image image(1, rows, cols);
+    const double det = a[0] * b[1] - a[1] * b[0];
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t c = 0; c < cols; ++c) {
+            const auto y = static_cast<double>(r);
+            const auto x = static_cast<double>(c);
+            const double u = 2 * std::numbers::pi * (y * b[1] - x * b[0]) / det;
+            const double v = 2 * std::numbers::pi * (x * a[0] - y * a[1]) / det;
+            const double value = std::cos(u) + 0.8 * std::cos(v + 0.5) +
+                                 0.6 * std::cos(u + v) + 0.5 * std::sin(2 * u - v);
+            image(0, r, c) =
+                static_cast<float>(value + noise * static_cast<double>(normal(engine)));
+        }
+    return image;
+}
+
+double distance(const Vector& u, const Vector& v) {
+    return std::min(std::hypot(u[0] - v[0], u[1] - v[1]),
+                    std::hypot(u[0] + v[0], u[1] + v[1]));
+}
+
+/// 0.02 pixels, and of long vectors, which repeat less often, 0.06 %.
+double tolerance(const Vector& v) {
+    return std::max(0.02, 6e-4 * std::hypot(v[0], v[1]));
+}
+
+struct Known {
+    Vector a;
+    Vector b;
+};
+
+// Both are reduced bases, of lattices without two shortest vectors, which are unique up to
+// sign.
+const std::vector<Known>& known_lattices() {
+    static const std::vector<Known> lattices = {{{0.4, 7.3}, {9.1, 1.2}},
+                                                {{13.37, -2.2}, {3.1, 21.9}},
+                                                {{30.25, 0.6}, {-8.3, 47.7}},
+                                                {{0.2, 40.4}, {52.3, 11.0}}};
+    return lattices;
+}
+
+TEST(Lattice, OfKnownPatternsIsFoundToTwoHundredthsOfAPixel) {
+    SerialExecutor executor;
+    for (const Known& known : known_lattices())
+        for (const double noise : {0.0, 1.0}) {
+            const Image image = pattern(known.a, known.b, noise, 800, 720, 1);
+            const auto found = find_lattice(image.plane(0), executor);
+            ASSERT_TRUE(found);
+            ASSERT_TRUE(found->has_value()) << known.a[0] << " noise " << noise;
+            EXPECT_LT(distance((*found)->a, known.a), tolerance(known.a))
+                << (*found)->a[0] << "," << (*found)->a[1];
+            EXPECT_LT(distance((*found)->b, known.b), tolerance(known.b))
+                << (*found)->b[0] << "," << (*found)->b[1];
+            // Var of the pattern is (1 + .64 + .36 + .25)/2 = 1.125.
+            const double share = 1.125 / (1.125 + noise * noise);
+            EXPECT_NEAR((*found)->periodicity, share, 0.04);
+            EXPECT_GT((*found)->area(), 0);
+        }
+}
+
+TEST(Lattice, OfStripesNeedsThreeOfThem) {
+    SerialExecutor executor;
+    const auto stripes = [](double period) {
+        Image image(1, 256, 256);
+        for (std::size_t r = 0; r < 256; ++r)
+            for (std::size_t c = 0; c < 256; ++c)
+                image(0, r, c) = static_cast<float>(
+                    std::cos(2 * std::numbers::pi * static_cast<double>(c) / period));
+        return image;
+    };
+    const auto narrow = find_lattice(stripes(20.5).plane(0), executor);
+    ASSERT_TRUE(narrow && narrow->has_value());
+    const Lattice& found = **narrow;
+    const double step_a = std::abs(found.a[1] / 20.5 - std::round(found.a[1] / 20.5));
+    const double step_b = std::abs(found.b[1] / 20.5 - std::round(found.b[1] / 20.5));
+    EXPECT_LT(std::max(step_a, step_b) * 20.5, 0.1);
+    const auto wide = find_lattice(stripes(75).plane(0), executor);
+    ASSERT_TRUE(wide);
+    EXPECT_FALSE(wide->has_value());
+}
+
+TEST(Lattice, OfAPlaneThatIsConstantOrTinyIsNone) {
+    SerialExecutor executor;
+    const Image flat(1, 128, 128);
+    EXPECT_FALSE((*find_lattice(flat.plane(0), executor)).has_value());
+    const Image tiny(1, 32, 128);
+    EXPECT_FALSE((*find_lattice(tiny.plane(0), executor)).has_value());
+}
+
+struct Kind {
+    const char* name;
+    Car2d field;
+    std::size_t levels;
+};
+
+std::vector<Kind> random_kinds() {
+    return {
+        {"white noise", {{{0, 1}}, {0.0F}, 1}, 1},
+        {"smooth", {{{0, 1}, {1, 0}, {1, 1}}, {0.9F, 0.9F, -0.81F}, 1}, 1},
+        {"pyramid", {{{0, 1}, {1, 0}, {1, 1}}, {0.5F, 0.5F, -0.25F}, 1}, 4},
+        {"streaks", {{{0, 1}, {1, 0}, {1, 1}}, {0.97F, 0.1F, -0.097F}, 1}, 3},
+        {"preferred wavelength", {{{0, 1}, {0, 2}, {1, 0}}, {0.9F, -0.6F, 0.2F}, 1}, 2},
+    };
+}
+
+// Each kind has 100 fields; any lattice found is a false one.
+TEST(Lattice, OfRandomFieldsIsNone) {
+    SerialExecutor executor;
+    Progress progress;
+    for (const Kind& kind : random_kinds()) {
+        const Material material =
+            test::plain_material(test::pyramid_of(kind.field, kind.levels));
+        for (std::uint64_t seed = 0; seed < 100; ++seed) {
+            SynthesisOptions options;
+            options.rows = options.cols = 192;
+            options.tileable = true;
+            options.seed = seed;
+            const auto texture = synthesise(material, 0, options, executor, progress);
+            ASSERT_TRUE(texture);
+            // The torus would repeat: half of it does not.
+            const auto found =
+                find_lattice(texture->plane(0).window(0, 0, 160, 160), executor);
+            ASSERT_TRUE(found);
+            EXPECT_FALSE(found->has_value())
+                << kind.name << ", seed " << seed << ": " << (*found)->periodicity
+                << " > " << (*found)->threshold;
+        }
+    }
+}
+
+TEST(SmoothPart, OfACosineIsItAndWhatIsLeftOfTheGaussian) {
+    SerialExecutor executor;
+    Image image(1, 90, 70);
+    constexpr double kSigma = 9;
+    const double omega = std::numbers::pi * 4 / 70;
+    for (std::size_t r = 0; r < 90; ++r)
+        for (std::size_t c = 0; c < 70; ++c)
+            image(0, r, c) =
+                static_cast<float>(3 + std::cos(omega * (static_cast<double>(c) + 0.5)));
+    Image rest(1, 90, 70);
+    subtract_smooth_part(image.plane(0), kSigma, rest.plane(0), executor);
+    const double left = 1 - std::exp(-kSigma * kSigma * omega * omega / 2);
+    for (std::size_t c = 0; c < 70; ++c)
+        EXPECT_NEAR(rest(0, 40, c),
+                    left * std::cos(omega * (static_cast<double>(c) + 0.5)), 1e-4);
+}
+
+}  // namespace
+}  // namespace sateen
