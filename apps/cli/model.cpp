@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "budget.hpp"
 #include "console.hpp"
 #include "field_names.hpp"
 #include "model_report.hpp"
@@ -35,6 +36,7 @@ struct ModelArguments {
     std::string encoding = "auto";
     std::string report;
     std::string structure = "auto";
+    std::size_t budget = 0;
     bool paper = false;
     bool skip_bad = false;
 };
@@ -53,6 +55,7 @@ std::string recorded_options(const ModelArguments& arguments) {
     add("--neighbourhood", arguments.neighbourhood);
     add("--encoding", arguments.encoding);
     add("--structure", arguments.structure);
+    if (arguments.budget != 0) add("--budget", std::to_string(arguments.budget));
     if (arguments.common.seed != 0) add("--seed", std::to_string(arguments.common.seed));
     return text;
 }
@@ -88,9 +91,11 @@ nlohmann::ordered_json choice_json(const FieldChoice& choice) {
              "Karhunen-Loève transform, at 3 times the coefficients"}};
 }
 
-void print_summary(const ModelArguments& arguments, const Analysis& analysis,
-                   const MeasurementInfo& info, std::size_t bytes, double seconds) {
+void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& result,
+                   const MeasurementInfo& info, double seconds) {
+    const Analysis& analysis = result.analysis;
     const Material& material = analysis.material;
+    const std::size_t bytes = result.bytes;
     if (!arguments.common.json) {
         fmt::print(stderr, "{}: {} image{} of {}x{}, {} subspace{}, {} bytes, {:.2f} s\n",
                    one_line(arguments.output), info.observations.size(),
@@ -108,6 +113,8 @@ void print_summary(const ModelArguments& arguments, const Analysis& analysis,
     json["field"] = field_names(material.subspaces);
     if (arguments.field == "auto" && !arguments.paper)
         json["choice"] = choice_json(analysis.choice);
+    if (arguments.budget != 0)
+        json["budget"] = {{"bytes", arguments.budget}, {"savings", result.savings}};
     json["paper"] = arguments.paper;
     for (std::size_t k = 0; k < material.subspaces.size(); ++k) {
         const Subspace& subspace = material.subspaces[k];
@@ -142,9 +149,13 @@ Result<void> run_model(const ModelArguments& arguments) {
                open_measurement(arguments.inputs,
                                 {.skip_bad = arguments.skip_bad,
                                  .encoding = parse_encoding(arguments.encoding)}));
-    SATEEN_TRY(Analysis analysis, analyse(*measurement, options, *executor, progress));
-    analysis.material.provenance.options = recorded_options(arguments);
-    analysis.material.provenance.writer = "sateen " SATEEN_VERSION;
+    Provenance provenance;
+    provenance.options = recorded_options(arguments);
+    provenance.writer = "sateen " SATEEN_VERSION;
+    SATEEN_TRY(const BudgetedAnalysis result,
+               analyse_within(*measurement, options, arguments.budget, provenance,
+                              *executor, progress));
+    const Analysis& analysis = result.analysis;
     SATEEN_TRY(const std::size_t bytes,
                save_material(arguments.output, analysis.material));
     if (!arguments.report.empty()) {
@@ -155,11 +166,13 @@ Result<void> run_model(const ModelArguments& arguments) {
     }
 
     progress.clear();
+    for (const std::string& saving : result.savings)
+        fmt::print(stderr, "sateen: --budget {}: {}\n", arguments.budget, saving);
     for (const std::string& note : analysis.notes)
         fmt::print(stderr, "sateen: {}\n", one_line(note));
     const std::chrono::duration<double> elapsed =
         std::chrono::steady_clock::now() - start;
-    print_summary(arguments, analysis, measurement->info(), bytes, elapsed.count());
+    print_summary(arguments, result, measurement->info(), elapsed.count());
     return {};
 }
 
@@ -222,6 +235,11 @@ Verb add_model(CLI::App& program) {
             (void)parse_encoding(text);
             return std::string();
         });
+    verb->add_option("--budget", arguments->budget,
+                     "Most bytes of the file: fields, levels and subspaces are given\n"
+                     "up as needed, and listed")
+        ->type_name("BYTES")
+        ->check(whole_number_up_to(std::uint64_t{1} << 32U));
     verb->add_option("--report", arguments->report,
                      "Write a page with every subspace beside its measurement,\n"
                      "bytes and scores")

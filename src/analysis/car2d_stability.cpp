@@ -2,13 +2,13 @@
 // Stability of the causal recursion, and its repair. See car2d.hpp.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <vector>
 
 #include "sateen/analysis/car2d.hpp"
+#include "sateen/analysis/whittle.hpp"
 
 namespace sateen {
 namespace {
@@ -70,47 +70,11 @@ double spectral_radius(const Car2d& model, std::size_t frequencies) {
     return radius;
 }
 
-//     R(0) = (1/MN) Σ_t σ² / |Λ_t|²,   Λ_t = Σ_q c_q(ω1) e^{-jω2 q}
-//
-// with the offsets of one column gathered in c_q first. Λ(-ω) is the conjugate of Λ(ω),
-// so that the rows 0 … M/2 stand for all.
 double model_variance(const Car2d& model, std::size_t grid) {
-    constexpr int kTerms = 2 * kMaxReach + 1;
-    int reach = 0;
-    for (const Offset s : model.neighbourhood) reach = std::max(reach, std::abs(s.col));
-    const auto step = 2 * std::numbers::pi / static_cast<double>(grid);
-    std::vector<double> cosines(grid);
-    std::vector<double> sines(grid);
-    for (std::size_t k = 0; k < grid; ++k) {
-        cosines[k] = std::cos(step * static_cast<double>(k));
-        sines[k] = std::sin(step * static_cast<double>(k));
-    }
-    double sum = 0;
-    for (std::size_t m = 0; 2 * m <= grid; ++m) {
-        std::array<Complex, kTerms> c{};
-        c[kMaxReach] = 1;
-        for (std::size_t i = 0; i < model.a.size(); ++i) {
-            const Offset s = model.neighbourhood[i];
-            c[static_cast<std::size_t>(kMaxReach + s.col)] -=
-                static_cast<double>(model.a[i]) *
-                std::polar(1.0, -step * static_cast<double>(m) * s.row);
-        }
-        double row = 0;
-        for (std::size_t n = 0; n < grid; ++n) {
-            double re = 0;
-            double im = 0;
-            for (int q = -reach; q <= reach; ++q) {
-                const Complex& c_q = c[static_cast<std::size_t>(kMaxReach + q)];
-                const std::size_t turn = n * static_cast<std::size_t>(std::abs(q)) % grid;
-                const double sine = q < 0 ? -sines[turn] : sines[turn];
-                re += c_q.real() * cosines[turn] + c_q.imag() * sine;
-                im += c_q.imag() * cosines[turn] - c_q.real() * sine;
-            }
-            row += 1 / (re * re + im * im);
-        }
-        sum += m == 0 || 2 * m == grid ? row : 2 * row;
-    }
-    return static_cast<double>(model.variance) * sum / static_cast<double>(grid * grid);
+    Car2d unit = model;
+    unit.variance = 1;
+    return static_cast<double>(model.variance) *
+           field_variance(inverse_covariance(unit), static_cast<int>(grid));
 }
 
 Car2d stabilised(const Car2d& model, double variance, double radius) {

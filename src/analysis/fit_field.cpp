@@ -39,9 +39,9 @@ Result<Gmrf2d> fit_gmrf2d(const Autocovariance& R, const NeighbourhoodOptions& o
 }
 
 template <class Model>
-double information_of(const Model& model, const Autocovariance& R) {
-    return bayesian_information(whittle_deviance(inverse_covariance(model), R), R.sites(),
-                                model.a.size());
+double information_of(const Model& model, const Autocovariance& R, int grid = 128) {
+    return bayesian_information(whittle_deviance(inverse_covariance(model), R, grid),
+                                R.sites(), model.neighbourhood.size());
 }
 
 // Both models on one neighbourhood, of the order that the causal evidence chose: the sites
@@ -54,14 +54,20 @@ Result<FieldModel> fit_best(const Autocovariance& R, const NeighbourhoodOptions&
     SATEEN_TRY(const NaturalGmrf2d field,
                maximise_likelihood(R, car.neighbourhood, kComparing));
     const double of_car = information_of(car, R);
-    const double of_gmrf = information_of(as_field(field), R);
+    double of_gmrf = information_of(field, R, kComparing.last_grid);
+    if (!(of_gmrf < of_car)) {
+        choice.add({1, 0, of_car, of_gmrf, of_car});
+        return FieldModel(std::move(car));
+    }
+    SATEEN_TRY(const NaturalGmrf2d refined,
+               maximise_likelihood(R, car.neighbourhood, {}, &field));
+    Gmrf2d gmrf = to_material(refined, R.variance());
+    // As stored it may be another: shrunk where its spectrum nearly had a pole.
+    of_gmrf = information_of(gmrf, R);
     const bool markov = of_gmrf < of_car;
     choice.add(
         {markov ? 0U : 1U, markov ? 1U : 0U, of_car, of_gmrf, std::min(of_car, of_gmrf)});
-    if (!markov) return FieldModel(std::move(car));
-    SATEEN_TRY(const NaturalGmrf2d refined,
-               maximise_likelihood(R, car.neighbourhood, {}, &field));
-    return FieldModel(to_material(refined, R.variance()));
+    return markov ? FieldModel(std::move(gmrf)) : FieldModel(std::move(car));
 }
 
 double variance_of(PlaneView<const float> band) {
@@ -97,7 +103,8 @@ Result<FieldModel> gmrf2d_as_printed(PlaneView<const float> band,
                                      Executor& executor) {
     const int reach = 2 * reach_of(neighbourhood_of(options));
     SATEEN_TRY(const Autocovariance R, toroidal_autocovariance(band, reach, executor));
-    SATEEN_TRY(const auto neighbourhood, select_neighbourhood(R, neighbourhood_of(options)));
+    SATEEN_TRY(const auto neighbourhood,
+               select_neighbourhood(R, neighbourhood_of(options)));
     const Result<Gmrf2d> estimate = maximise_pseudo_likelihood(R, neighbourhood);
     if (!estimate) return FieldModel(Gmrf2d{});
     const double smallest = smallest_denominator(*estimate);

@@ -50,21 +50,14 @@ class Likelihood {
 
     /// q_t = θ_0 - 2 Σ θ_s cos ω·s
     [[nodiscard]] RowMatrix denominator(const Vector& x) const {
-        Autocovariance b(reach_, 0);
-        b.at(0, 0) = x(0);
-        for (std::size_t i = 0; i < offsets_.size(); ++i) {
-            const Offset s = offsets_[i];
-            const double value = -x(static_cast<Index>(i) + 1);
-            b.at(s.row, s.col) += value;
-            if (s.row == 0) b.at(0, -s.col) += value;
-        }
-        return polynomial_.spectrum(b);
+        return polynomial_.spectrum(
+            inverse_covariance({offsets_, x(0), {x.data() + 1, x.data() + x.size()}}));
     }
 
     /// ℓ, or minus infinity where q is not positive.
     [[nodiscard]] double value(const Vector& x, const RowMatrix& q) const {
-        if (!(q.minCoeff() > 0)) return -HUGE_VAL;
-        return polynomial_.mean(q.array().log().matrix()) / 2 - target_.dot(x);
+        const double logarithm = polynomial_.mean_log(q);
+        return std::isnan(logarithm) ? -HUGE_VAL : logarithm / 2 - target_.dot(x);
     }
 
     struct Step {
@@ -270,15 +263,21 @@ Gmrf2d shrunk(const Gmrf2d& field, double smallest, double variance) {
     return result;
 }
 
-Gmrf2d as_field(const NaturalGmrf2d& natural) {
-    Gmrf2d field{natural.neighbourhood, {}, static_cast<float>(1 / natural.theta_0)};
-    for (const double theta : natural.theta)
-        field.a.push_back(static_cast<float>(theta / natural.theta_0));
-    return field;
+Autocovariance inverse_covariance(const NaturalGmrf2d& field) {
+    Autocovariance b(reach_of(field.neighbourhood), 0);
+    b.at(0, 0) = field.theta_0;
+    for (std::size_t i = 0; i < field.theta.size(); ++i) {
+        const Offset s = field.neighbourhood[i];
+        b.at(s.row, s.col) -= field.theta[i];
+        if (s.row == 0) b.at(0, -s.col) -= field.theta[i];
+    }
+    return b;
 }
 
 Gmrf2d to_material(const NaturalGmrf2d& field, double variance) {
-    const Gmrf2d exact = as_field(field);
+    Gmrf2d exact{field.neighbourhood, {}, 0};
+    for (const double theta : field.theta)
+        exact.a.push_back(static_cast<float>(theta / field.theta_0));
     Gmrf2d result = exact;
     round_to_file(result.a);
     const double lowest = smallest_denominator(exact);
@@ -327,7 +326,7 @@ Result<NaturalGmrf2d> select_gmrf2d(const Autocovariance& R, int max_order) {
                    maximise_likelihood(R, hierarchical_half_plane(order), comparing,
                                        order > 1 ? &present : nullptr));
         const double information = bayesian_information(
-            whittle_deviance(inverse_covariance(as_field(present)), R, comparing.last_grid),
+            whittle_deviance(inverse_covariance(present), R, comparing.last_grid),
             R.sites(), present.theta.size());
         if (!(information < best_information)) continue;
         best_information = information;

@@ -25,6 +25,8 @@ class LagTransform {
     [[nodiscard]] RowMatrix spectrum(const Autocovariance& R) const;
     /// (1/MN) Σ_t S_t of an even spectrum.
     [[nodiscard]] double mean(const RowMatrix& S) const;
+    /// (1/MN) Σ_t ln S_t of a positive even spectrum; NaN where it is not positive.
+    [[nodiscard]] double mean_log(const RowMatrix& S) const;
 
     [[nodiscard]] Eigen::Index rows() const { return row_cos_.cols(); }
     [[nodiscard]] Eigen::Index half_cols() const { return col_cos_.rows(); }

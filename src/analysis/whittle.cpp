@@ -65,7 +65,7 @@ double whittle_deviance(const Autocovariance& inverse, const Autocovariance& R,
     for (int row = -inverse.reach(); row <= inverse.reach(); ++row)
         for (int col = -inverse.reach(); col <= inverse.reach(); ++col)
             if (const double b = inverse(row, col); b != 0) fit += b * R(row, col);
-    return fit - lags.mean(lags.spectrum(inverse).array().log().matrix());
+    return fit - lags.mean_log(lags.spectrum(inverse));
 }
 
 double bayesian_information(double deviance, double sites, std::size_t coefficients) {

@@ -10,6 +10,45 @@ import zipfile
 from support import PROGRAM, CliTest, photograph, png, texture
 
 
+class Budget(CliTest):
+    def test_is_kept_and_says_what_it_cost(self):
+        self.file("stone.png", photograph(128, 128))
+        free = self.succeed_with_json("model", "stone.png", "-o", "free.sateen")
+        most = free["bytes"] * 8 // 10
+        report = self.succeed_with_json(
+            "model", "stone.png", "-o", "m.sateen", "--budget", str(most)
+        )
+        self.assertLessEqual(report["bytes"], most)
+        self.assertEqual((self.folder / "m.sateen").stat().st_size, report["bytes"])
+        self.assertTrue(report["budget"]["savings"])
+
+    def test_of_a_measurement_is_kept_with_fewer_subspaces(self):
+        free = self.succeed_with_json("model", self.measurement(), "-o", "f.sateen")
+        most = free["bytes"] * 4 // 10
+        report = self.succeed_with_json(
+            "model", "ubo", "-o", "m.sateen", "--budget", str(most)
+        )
+        self.assertLessEqual(report["bytes"], most)
+        self.assertLess(len(report["subspaces"]), len(free["subspaces"]))
+
+    def test_changes_nothing_where_it_suffices(self):
+        self.file("stone.png", photograph(64, 64))
+        free = self.succeed_with_json("model", "stone.png", "-o", "free.sateen")
+        report = self.succeed_with_json(
+            "model", "stone.png", "-o", "m.sateen", "--budget", "100000"
+        )
+        self.assertEqual(report["budget"]["savings"], [])
+        self.assertEqual(report["field"], free["field"])
+
+    def test_that_nothing_can_keep_is_refused_with_the_size(self):
+        self.file("stone.png", photograph(64, 64))
+        self.refuse(
+            "model", "stone.png", "-o", "m.sateen", "--budget", "100",
+            names=["--budget 100", "stone", "bytes"],
+        )
+        self.assertFalse((self.folder / "m.sateen").exists())
+
+
 class Inputs(CliTest):
     def model(self, *inputs):
         options = ["-o", "m.sateen", "--field", "car2d"]

@@ -46,8 +46,9 @@ struct Gmrf2dOptions {
 /// 1 - 2 Σ a_s cos ω·s at its minimum over all frequencies, not only those of a grid.
 [[nodiscard]] double smallest_denominator(const Gmrf2d& field);
 
-/// σ² = 1/θ_0, a_s = θ_s/θ_0.
-[[nodiscard]] Gmrf2d as_field(const NaturalGmrf2d& natural);
+/// b(s) with 1/S(ω) = Σ_s b(s) cos ω·s, in double precision: near a unit root the a_s as
+/// floats have another spectrum.
+[[nodiscard]] Autocovariance inverse_covariance(const NaturalGmrf2d& field);
 
 /// The field as the material keeps it: coefficients on the grid of the file, shrunk where
 /// the spectrum would not stay positive at every frequency, σ² such that the field has

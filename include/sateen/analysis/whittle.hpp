@@ -19,7 +19,8 @@ namespace sateen {
 ///
 ///     D = mean_t (ln S_t + P_t / S_t) = -mean_t ln Σ_s b(s) cos ω·s + Σ_s b(s) R(s),
 ///
-/// of a sample with periodogram P, of which only R(s) at the lags of b is needed.
+/// of a sample with periodogram P, of which only R(s) at the lags of b is needed. NaN where
+/// Σ_s b(s) cos ω·s is not positive.
 [[nodiscard]] double whittle_deviance(const Autocovariance& inverse,
                                       const Autocovariance& R, int grid = 128);
 
