@@ -405,7 +405,8 @@ std::vector<Scored> refined_pairs(const Autocorrelation& A, Executor& executor) 
             longest > kLargestDisc * A.side())
             continue;
         pair.rho = mean_at_points(A, pair.basis, kLargestDisc * A.side()).value;
-        valid.push_back(pair);
+        // Less than nothing is no pattern, and shares of the best would mean more than it.
+        if (pair.rho > 0) valid.push_back(pair);
     }
     return valid;
 }

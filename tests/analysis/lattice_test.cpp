@@ -128,6 +128,28 @@ std::vector<Kind> random_kinds() {
     };
 }
 
+// One broad spot is unlike itself at every lag that a vector can have: every lattice is
+// worse than none.
+TEST(Lattice, OfBroadSpotsIsNone) {
+    SerialExecutor executor;
+    for (const double width : {4.0, 6.0, 8.0, 12.0, 16.0, 24.0})
+        for (const double ripple : {0.0, 0.01, 0.03, 0.1}) {
+            Image image(1, 160, 160);
+            for (std::size_t r = 0; r < 160; ++r)
+                for (std::size_t c = 0; c < 160; ++c) {
+                    const double y = static_cast<double>(r) - 80;
+                    const double x = static_cast<double>(c) - 80;
+                    const double distance = std::hypot(x, y);
+                    image(0, r, c) = static_cast<float>(
+                        std::exp(-distance * distance / (2 * width * width)) *
+                        (1 + ripple * std::cos(distance)));
+                }
+            const auto lattice = find_lattice(image.plane(0), executor);
+            ASSERT_TRUE(lattice) << lattice.error().message;
+            EXPECT_FALSE(lattice->has_value()) << width << ' ' << ripple;
+        }
+}
+
 // Each kind has 100 fields; any lattice found is a false one.
 TEST(Lattice, OfRandomFieldsIsNone) {
     SerialExecutor executor;
