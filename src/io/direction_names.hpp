@@ -58,5 +58,9 @@ struct CsvRow {
 /// \error bad_format  the header lacks a column; rows state their own problems
 [[nodiscard]] Result<std::vector<CsvRow>> parse_directions_csv(std::string_view text,
                                                                std::string_view name);
+/// The same without files: columns theta_i, phi_i, theta_v, phi_v; or theta, phi, for all
+/// pairs of one list (a pair has the line of its light).
+[[nodiscard]] Result<std::vector<CsvRow>> parse_direction_pairs(std::string_view text,
+                                                                std::string_view name);
 
 }  // namespace sateen::io
