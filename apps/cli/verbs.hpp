@@ -20,5 +20,6 @@ struct Verb {
 [[nodiscard]] Verb add_synthesise(CLI::App& program);
 [[nodiscard]] Verb add_info(CLI::App& program);
 [[nodiscard]] Verb add_compare(CLI::App& program);
+[[nodiscard]] Verb add_measure(CLI::App& program);
 
 }  // namespace sateen::cli
