@@ -40,16 +40,20 @@ struct CellTaps {
     std::array<float, 4> weights;
 
     CellTaps(double u, double v, std::size_t P, std::size_t Q, double first = 0) {
-        const double r = u * static_cast<double>(P) - first;
-        const double c = v * static_cast<double>(Q) - first;
-        const double r_floor = std::floor(r);
-        const double c_floor = std::floor(c);
-        const std::size_t row = wrap(r_floor, P);
-        const std::size_t col = wrap(c_floor, Q);
+        // One more turn where `first` takes the position below 0.
+        double r = (u - whole_part(u)) * static_cast<double>(P) - first;
+        double c = (v - whole_part(v)) * static_cast<double>(Q) - first;
+        if (r < 0) r += static_cast<double>(P);
+        if (c < 0) c += static_cast<double>(Q);
+        auto row = static_cast<std::size_t>(r);
+        auto col = static_cast<std::size_t>(c);
+        const auto dr = static_cast<float>(r - static_cast<double>(row));
+        const auto dc = static_cast<float>(c - static_cast<double>(col));
+        // What rounds up to 1 is 0.
+        if (row >= P) row = 0;
+        if (col >= Q) col = 0;
         const std::size_t below = row + 1 == P ? 0 : row + 1;
         const std::size_t right = col + 1 == Q ? 0 : col + 1;
-        const auto dr = static_cast<float>(r - r_floor);
-        const auto dc = static_cast<float>(c - c_floor);
         sites = {row * Q + col, row * Q + right, below * Q + col, below * Q + right};
         weights = {(1 - dr) * (1 - dc), (1 - dr) * dc, dr * (1 - dc), dr * dc};
     }
@@ -57,13 +61,6 @@ struct CellTaps {
     [[nodiscard]] float read(const float* grid) const {
         return weights[0] * grid[sites[0]] + weights[1] * grid[sites[1]] +
                weights[2] * grid[sites[2]] + weights[3] * grid[sites[3]];
-    }
-
-  private:
-    static std::size_t wrap(double k, std::size_t n) {
-        const auto period = static_cast<double>(n);
-        const auto site = static_cast<std::size_t>(k - std::floor(k / period) * period);
-        return site < n ? site : 0;
     }
 };
 

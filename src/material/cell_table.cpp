@@ -3,6 +3,7 @@
 #include "sateen/material/cell_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <numbers>
 

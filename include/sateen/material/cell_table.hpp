@@ -4,8 +4,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,12 +13,20 @@
 
 namespace sateen {
 
+/// ⌊x⌋ of |x| < 2⁶³: without SSE 4.1 std::floor is a call, and this is done per pixel.
+[[nodiscard]] inline double whole_part(double x) {
+    const auto below = static_cast<double>(static_cast<std::int64_t>(x));
+    return below > x ? below - 1 : below;
+}
+
 /// x = B u and back, in double: windows may be far from the origin.
 class LatticeMap {
   public:
-    LatticeMap() = default;
-    LatticeMap(std::array<double, 2> a, std::array<double, 2> b)
-        : a_(a), b_(b), det_(a[0] * b[1] - a[1] * b[0]) {}
+    LatticeMap() : LatticeMap({1, 0}, {0, 1}) {}
+    LatticeMap(std::array<double, 2> a, std::array<double, 2> b) : a_(a), b_(b) {
+        const double det = a[0] * b[1] - a[1] * b[0];
+        inverse_ = {b[1] / det, -b[0] / det, -a[1] / det, a[0] / det};
+    }
     explicit LatticeMap(const PeriodicLayer& layer)
         : LatticeMap({static_cast<double>(layer.a[0]), static_cast<double>(layer.a[1])},
                      {static_cast<double>(layer.b[0]), static_cast<double>(layer.b[1])}) {
@@ -26,15 +34,16 @@ class LatticeMap {
 
     /// B⁻¹ x
     [[nodiscard]] std::array<double, 2> to_cell(double row, double col) const {
-        return {(row * b_[1] - col * b_[0]) / det_, (col * a_[0] - row * a_[1]) / det_};
+        return {inverse_[0] * row + inverse_[1] * col,
+                inverse_[2] * row + inverse_[3] * col};
     }
     [[nodiscard]] const std::array<double, 2>& a() const { return a_; }
     [[nodiscard]] const std::array<double, 2>& b() const { return b_; }
 
   private:
-    std::array<double, 2> a_{1, 0};
-    std::array<double, 2> b_{0, 1};
-    double det_ = 1;
+    std::array<double, 2> a_;
+    std::array<double, 2> b_;
+    std::array<double, 4> inverse_{};
 };
 
 /// m and s of up to three planes, sampled twice as finely as the cell, and read linearly
@@ -49,8 +58,8 @@ class CellTable {
 
     /// m of the planes, then s, at (u, v): any numbers, taken mod 1.
     [[nodiscard]] std::array<float, kValues> at(double u, double v) const {
-        const double r = (u - std::floor(u)) * static_cast<double>(rows_);
-        const double c = (v - std::floor(v)) * static_cast<double>(cols_);
+        const double r = (u - whole_part(u)) * static_cast<double>(rows_);
+        const double c = (v - whole_part(v)) * static_cast<double>(cols_);
         auto row = static_cast<std::size_t>(r);
         auto col = static_cast<std::size_t>(c);
         const auto dr = static_cast<float>(r - static_cast<double>(row));
