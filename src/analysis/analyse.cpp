@@ -47,6 +47,7 @@ struct Representatives {
     std::vector<std::vector<std::size_t>> observations;
     std::vector<std::uint32_t> members;
     std::vector<std::uint8_t> labels;  ///< a subspace for every observation
+    std::vector<ImageMoments> moments;
 };
 
 Result<Representatives> choose_representatives(const Measurement& measurement,
@@ -79,6 +80,7 @@ Result<Representatives> choose_representatives(const Measurement& measurement,
         result.observations.push_back({observation});
     result.members = std::move(segments.members);
     result.labels = std::move(segments.labels);
+    result.moments = std::move(segments.moments);
     return result;
 }
 
@@ -109,6 +111,20 @@ Image at_most(std::size_t pixels, Image image) {
     const std::size_t rows = part(image.rows());
     const std::size_t cols = part(image.cols());
     return middle_window(std::move(image), rows, cols);
+}
+
+/// Mean colour and contrast of all pairs of directions, from those that were measured.
+Result<Reflectance> fit_reflectance(const MeasurementInfo& info,
+                                    const Representatives& measured) {
+    const AppearanceGrid grid{info.views, info.lights, info.bands + 1,
+                              info.radiometry.cosine_included};
+    std::vector<MeasuredAppearance> known;
+    for (std::size_t i = 0; i < measured.labels.size(); ++i)
+        if (measured.labels[i] != kUnreadable)
+            known.push_back({info.observations[i].view, info.observations[i].light,
+                             encode_appearance(measured.moments[i], info.bands)});
+    SATEEN_TRY(const std::vector<float> table, complete_appearance(grid, known));
+    return factorise_appearance(grid, table);
 }
 
 Result<std::vector<Image>> read_all(const Measurement& measurement,
@@ -186,6 +202,13 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
         const Representatives representatives,
         choose_representatives(measurement, options, result.notes, executor, progress));
     material.index = index_table(info, representatives.labels);
+    if (info.has_directions() && !options.paper && options.reflectance) {
+        Result<Reflectance> reflectance = fit_reflectance(info, representatives);
+        if (reflectance)
+            material.reflectance = std::move(*reflectance);
+        else
+            result.notes.push_back("no reflectance: " + reflectance.error().message);
+    }
 
     // 2. Find the pattern of the material, if it has one: the same for all subspaces.
     std::optional<AlignedLayer> layer;

@@ -30,6 +30,7 @@ using Features = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 struct Summary {
     ColourHistogram colour;
     OrientedContrast contrast = {};
+    ImageMoments moments;
 };
 
 // Images are compared by so many of their pixels at most: a distribution is known to 1 %
@@ -54,6 +55,7 @@ Summary summarise(ImageView<const float> image, bool oriented) {
     while (image.plane_size() > kCounted * step * step) ++step;
     const Image thin = thinned(image, step);
     Summary summary;
+    summary.moments = image_moments(image);
     if (!oriented) {
         summary.colour = colour_histogram(thin.view());
         return summary;
@@ -289,6 +291,7 @@ Result<Segmentation> segment(const Measurement& measurement,
     const double variance = features.squaredNorm();
     const double inertia = std::accumulate(radii.begin(), radii.end(), 0.0);
     result.explained = clustering.clusters > 1 ? 1.0 - inertia / variance : 0.0;
+    for (const Summary& summary : summaries) result.moments.push_back(summary.moments);
     result.labels.assign(images, kUnreadable);
     for (std::size_t i = 0; i < readable.size(); ++i)
         result.labels[readable[i]] = static_cast<std::uint8_t>(clustering.labels[i]);

@@ -73,6 +73,8 @@ struct AnalysisOptions {
     /// Look for a pattern that repeats; never in paper mode.
     bool structure = true;
     std::uint64_t seed = 0;
+    /// Keep mean colour and contrast of every pair of directions; never in paper mode.
+    bool reflectance = true;
     /// Go on past unreadable images.
     bool skip_bad = false;
 };

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sateen/analysis/reflectance.hpp"
 #include "sateen/core/parallel.hpp"
 #include "sateen/core/progress.hpp"
 #include "sateen/core/result.hpp"
@@ -44,6 +45,7 @@ struct Segmentation {
     std::vector<std::uint32_t> members;  ///< observations per subspace, at least 1
     double explained = 0;  ///< share of the variance of the features; 0 for one subspace
     PassReport pass;       ///< of the reading of the images
+    std::vector<ImageMoments> moments;  ///< of every observation that could be read
 };
 
 /// Segments the BTF space [CAR2, section II.A; SAR, section 2]: cumulative Lab histograms

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which subspaces a view and a light see, how much of each, and how the sum is brought to
+// the mean colour and contrast of these directions. Theory: docs/theory/evaluation.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sateen/core/direction_mesh.hpp"
+#include "sateen/core/image.hpp"
+#include "sateen/core/result.hpp"
+#include "sateen/material/material.hpp"
+
+namespace sateen {
+
+/// The textures of the subspaces as wholes: what their blends have for mean and contrast.
+struct TextureMoments {
+    std::vector<std::array<float, 3>> mean;  ///< of each subspace and band
+    /// Of the luminances of every two subspaces, (subspaces, subspaces). The fields share
+    /// their noise, so the textures vary together.
+    std::vector<float> covariance;
+};
+
+/// Of textures of equal size, one a subspace, drawn from the same noise.
+[[nodiscard]] TextureMoments texture_moments(std::span<const Image> textures);
+
+/// A weighted sum of subspaces and the map of its values:
+///
+///     x_c = Σ_k weight_k t_k,c(u),   value_c = max(0, offset_c + gain_c x_c)
+struct Blend {
+    static constexpr std::size_t kMost = 9;
+    std::size_t count = 0;
+    std::array<std::uint8_t, kMost> subspace = {};  ///< distinct
+    std::array<float, kMost> weight = {};           ///< > 0, of sum 1
+    std::array<float, 3> gain = {};
+    std::array<float, 3> offset = {};
+};
+
+struct InterpolationOptions {
+    /// The three nearest directions, as [CAR2], instead of the triangulation.
+    bool three_nearest = false;
+    /// Apply the mean colours and contrasts of the material's Reflectance.
+    bool reflectance = true;
+};
+
+/// Interpolates a material over views and lights [CAR2, section III].
+///
+/// Values are π times the radiance of a surface lit by unit irradiance measured
+/// perpendicular to the light: reflectance times cos θ of the light.
+class DirectionalInterpolation {
+  public:
+    /// \param material  valid; needed only during the call
+    /// \error invalid_argument  directions that cannot be interpolated, see DirectionMesh
+    [[nodiscard]] static Result<DirectionalInterpolation> create(
+        const Material& material, TextureMoments moments,
+        const InterpolationOptions& options = {});
+
+    /// \param view, light  unit vectors; below the surface the value is 0
+    /// \param shading_contrast  standard deviation over mean of a factor of mean 1 that
+    ///        the texture will be multiplied by, such as the shading of its surface
+    /// \cost about 100 ns
+    [[nodiscard]] Blend at(const std::array<float, 3>& view,
+                           const std::array<float, 3>& light,
+                           float shading_contrast = 0) const;
+
+    /// Contrast is raised at most so many times: representatives of nearly uniform images
+    /// hold noise.
+    static constexpr float kMaxContrastGain = 3;
+
+    /// Empty for photographs.
+    [[nodiscard]] const std::optional<DirectionMesh>& views() const { return views_; }
+    [[nodiscard]] const std::optional<DirectionMesh>& lights() const { return lights_; }
+    /// The subspace of every pair, (lights, views): pairs that were not measured have that
+    /// of the nearest one, by the sum of the cosines between views and between lights.
+    [[nodiscard]] std::span<const std::uint8_t> index() const { return index_; }
+
+  private:
+    DirectionalInterpolation() = default;
+    static constexpr std::size_t kRank = Reflectance::kMaxRank;
+    void fill_index(const Material& material);
+    void take_reflectance(const Reflectance& reflectance);
+    [[nodiscard]] std::array<float, 4> encoded(const DirectionWeights& view,
+                                               const DirectionWeights& light) const;
+
+    std::optional<DirectionMesh> views_;
+    std::optional<DirectionMesh> lights_;
+    std::vector<float> light_heights_;  // cos θ of every light, and its cube root
+    std::vector<float> light_roots_;
+    std::vector<std::uint8_t> index_;
+    std::size_t view_count_ = 0;
+    std::size_t bands_ = 0;
+    TextureMoments moments_;
+    InterpolationOptions options_;
+    bool cosine_included_ = true;
+    // The reflectance with its rank filled up to 16; empty without one.
+    std::vector<std::array<float, kRank>> light_factors_;
+    struct ViewFactors {
+        std::array<std::array<float, kRank>, 4> factors = {};
+        std::array<float, 4> base = {};
+    };
+    std::vector<ViewFactors> view_factors_;
+};
+
+}  // namespace sateen

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blends of subspaces. See synthesise_direction.hpp.
+#include "sateen/synthesis/synthesise_direction.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sateen {
+namespace {
+
+constexpr std::size_t kMomentSide = 128;
+/// Of a tileable blend, which is drawn at once.
+constexpr std::size_t kMaxTileableSites = std::size_t{1} << 26U;
+/// Of the strips of other blends; each is drawn once for every subspace.
+constexpr std::size_t kStripSites = std::size_t{1} << 22U;
+
+Result<TextureMoments> small_moments(const Material& material, Executor& executor) {
+    std::vector<std::size_t> all(material.subspaces.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    std::vector<Image> textures;
+    SynthesisOptions options;
+    options.rows = kMomentSide;
+    options.cols = kMomentSide;
+    options.tileable = true;
+    Progress silent;
+    SATEEN_CHECK(synthesise_tiles(
+        material, all, options,
+        [&](std::size_t, Image texture) -> Result<void> {
+            textures.push_back(std::move(texture));
+            return {};
+        },
+        executor, silent));
+    return texture_moments(textures);
+}
+
+// sum += weight · texture, where the texture lies in the sum at `first_row`.
+void accumulate(ImageView<const float> texture, float weight, std::size_t first_row,
+                Image& sum) {
+    for (std::size_t b = 0; b < texture.bands; ++b)
+        for (std::size_t r = 0; r < texture.rows; ++r) {
+            const float* from = texture.plane(b).row(r);
+            float* to = sum.plane(b).row(first_row + r);
+            for (std::size_t c = 0; c < texture.cols; ++c) to[c] += weight * from[c];
+        }
+}
+
+void apply(const Blend& blend, ImageView<float> image) {
+    for (std::size_t b = 0; b < image.bands; ++b) {
+        float* plane = image.plane(b).data;
+        for (std::size_t i = 0; i < image.plane_size(); ++i)
+            plane[i] = std::max(0.0F, blend.offset[b] + blend.gain[b] * plane[i]);
+    }
+}
+
+// A window of the blend, or the whole of a tileable one.
+Result<Image> draw(const Material& material, const Blend& blend,
+                   const SynthesisOptions& options, Executor& executor,
+                   Progress& progress) {
+    Image sum(material.bands, options.rows, options.cols);
+    for (std::size_t i = 0; i < blend.count; ++i) {
+        if (progress.cancelled())
+            return Error{Errc::cancelled, "cancelled while drawing"};
+        Progress silent;
+        SATEEN_CHECK(synthesise(
+            material, blend.subspace[i], options,
+            [&](std::size_t first_row, ImageView<const float> strip) -> Result<void> {
+                accumulate(strip, blend.weight[i], first_row, sum);
+                return {};
+            },
+            executor, silent));
+    }
+    apply(blend, sum.view());
+    return sum;
+}
+
+}  // namespace
+
+Result<Blend> blend_of(const Material& material, Direction view, Direction light,
+                       const InterpolationOptions& options, Executor& executor) {
+    if (material.index.empty()) {
+        Blend blend;
+        blend.count = 1;
+        blend.weight[0] = 1;
+        blend.gain = {1, 1, 1};
+        return blend;
+    }
+    TextureMoments moments;
+    if (options.reflectance && material.reflectance) {
+        SATEEN_TRY(moments, small_moments(material, executor));
+    }
+    SATEEN_TRY(const DirectionalInterpolation interpolation,
+               DirectionalInterpolation::create(material, std::move(moments), options));
+    return interpolation.at(to_vector(view), to_vector(light));
+}
+
+Result<void> synthesise(const Material& material, const Blend& blend,
+                        const SynthesisOptions& options, const StripSink& sink,
+                        Executor& executor, Progress& progress) {
+    const auto drawable = [](std::size_t side) {
+        return side > 0 && side <= kMaxTextureSide;
+    };
+    // Sizes that cannot be drawn get their message there.
+    if (blend.count == 1 || !drawable(options.rows) || !drawable(options.cols))
+        return synthesise(
+            material, blend.subspace[0], options,
+            [&](std::size_t first_row, ImageView<const float> strip) -> Result<void> {
+                Image lit(strip.bands, strip.rows, strip.cols);
+                accumulate(strip, 1, 0, lit);
+                apply(blend, lit.view());
+                return sink(first_row, lit.view());
+            },
+            executor, progress);
+    if (options.tileable && options.rows * options.cols > kMaxTileableSites)
+        return Error{Errc::limit_exceeded,
+                     "a tileable texture of " + std::to_string(options.cols) + "x" +
+                         std::to_string(options.rows) +
+                         " pixels between subspaces: expected at most " +
+                         std::to_string(kMaxTileableSites) + " pixels, or one subspace"};
+    const std::size_t step = options.tileable
+                                 ? options.rows
+                                 : std::max<std::size_t>(64, kStripSites / options.cols);
+    for (std::size_t row = 0; row < options.rows; row += step) {
+        SynthesisOptions window = options;
+        window.rows = std::min(step, options.rows - row);
+        window.offset_row += static_cast<std::int32_t>(row);
+        SATEEN_TRY(const Image strip, draw(material, blend, window, executor, progress));
+        SATEEN_CHECK(sink(row, strip.view()));
+        progress.report(static_cast<double>(row + window.rows),
+                        static_cast<double>(options.rows));
+    }
+    return {};
+}
+
+}  // namespace sateen

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// Interpolation over directions and the value of a material at a point.
+#include "sateen/synthesis/evaluate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "sateen/synthesis/synthesise.hpp"
+#include "support/directions.hpp"
+#include "support/materials.hpp"
+
+namespace sateen {
+namespace {
+
+using Vec = std::array<float, 3>;
+using test::ubo2003_directions;
+
+Vec at(float theta, float phi) {
+    return to_vector(direction_from_degrees(theta, phi));
+}
+
+// A texture of mean `mean` and deviation `scale`, smooth enough to have its own look.
+Subspace subspace(float mean, float scale) {
+    Subspace s;
+    s.spectral = {Tone::linear, {mean}, {1}};
+    s.marginals = {{scale, {}}};
+    s.levels = test::levels_of({Car2d{{{0, 1}, {1, 0}}, {0.6F, 0.3F}, 1}});
+    return s;
+}
+
+// A grey material on the UBO2003 grid: subspace 0 for lights up to 30°, 1 for the others.
+Material two_subspaces(float scale) {
+    Material m = test::plain_material({Car2d{}});
+    m.views = ubo2003_directions();
+    m.lights = ubo2003_directions();
+    m.subspaces = {subspace(0.5F, scale), subspace(0.25F, scale)};
+    for (std::size_t l = 0; l < 81; ++l)
+        for (std::size_t v = 0; v < 81; ++v)
+            m.index.push_back({static_cast<std::uint16_t>(l),
+                               static_cast<std::uint16_t>(v),
+                               static_cast<std::uint8_t>(l < 19 ? 0 : 1)});
+    return m;
+}
+
+// Mean colour cos θ_l · albedo, contrast as given: rank 1 in cube roots.
+Reflectance lambertian(const Material& m, float albedo, float contrast) {
+    Reflectance r;
+    r.channels = 2;
+    r.rank = 1;
+    for (std::size_t v = 0; v < m.views.size(); ++v) {
+        r.base.insert(r.base.end(), {0, contrast});
+        r.views.insert(r.views.end(), {std::cbrt(albedo), 0});
+    }
+    for (const Direction l : m.lights) r.lights.push_back(std::cbrt(std::cos(l.theta)));
+    return r;
+}
+
+Evaluator evaluator_of(const Material& m, EvaluatorOptions options = {.side = 64}) {
+    SerialExecutor executor;
+    Progress progress;
+    auto evaluator = Evaluator::create(m, options, executor, progress);
+    EXPECT_TRUE(evaluator) << evaluator.error().message;
+    return *std::move(evaluator);
+}
+
+struct Moments {
+    double mean = 0;
+    double deviation = 0;
+};
+
+Moments moments_over_texture(const Evaluator& e, const Vec& view, const Vec& light) {
+    const auto directional = e.prepare(view, light);
+    const auto n = static_cast<double>(e.side() * e.side());
+    double sum = 0;
+    double squares = 0;
+    for (std::size_t r = 0; r < e.side(); ++r)
+        for (std::size_t c = 0; c < e.side(); ++c) {
+            const auto side = static_cast<float>(e.side());
+            const auto value = static_cast<double>(
+                e.sample(directional, (static_cast<float>(c) + 0.5F) / side,
+                         -(static_cast<float>(r) + 0.5F) / side)[0]);
+            sum += value;
+            squares += value * value;
+        }
+    return {sum / n, std::sqrt(squares / n - sum * sum / n / n)};
+}
+
+TEST(Interpolation, MergesEqualSubspacesAndItsWeightsAddUp) {
+    const Evaluator e = evaluator_of(two_subspaces(0.05F));
+    std::mt19937_64 engine(1);
+    for (int i = 0; i < 20000; ++i) {
+        const auto angle = [&](double top) {
+            return static_cast<float>(top * static_cast<double>(engine() >> 11U) *
+                                      0x1p-53);
+        };
+        const Vec view = at(angle(90), angle(360));
+        const Vec light = at(angle(90), angle(360));
+        const Blend blend = e.prepare(view, light).blend;
+        ASSERT_GE(blend.count, 1U);
+        ASSERT_LE(blend.count, 2U);
+        float sum = 0;
+        for (std::size_t k = 0; k < blend.count; ++k) {
+            ASSERT_GT(blend.weight[k], 0);
+            sum += blend.weight[k];
+        }
+        ASSERT_NEAR(sum, 1, 1e-4);
+    }
+    EXPECT_EQ(e.prepare(at(0, 0), at(10, 20)).blend.count, 1U);
+    EXPECT_EQ(e.prepare(at(0, 0), at(37, 20)).blend.count, 2U);
+}
+
+// algorithms h3: with noise of their own the textures' blend would lose half its contrast.
+TEST(Interpolation, ABlendOfSubspacesKeepsTheirContrast) {
+    const Evaluator e = evaluator_of(two_subspaces(0.05F));
+    const double first = moments_over_texture(e, at(0, 0), at(0, 0)).deviation;
+    const double second = moments_over_texture(e, at(0, 0), at(60, 0)).deviation;
+    const double between = moments_over_texture(e, at(0, 0), at(37, 7)).deviation;
+    EXPECT_GE(between * between, 0.9 * 0.5 * (first * first + second * second));
+}
+
+TEST(Interpolation, UnmeasuredPairsHaveTheSubspaceOfTheNearestMeasuredOne) {
+    Material m = two_subspaces(0.05F);
+    std::mt19937_64 engine(2);
+    std::erase_if(m.index, [&](const IndexEntry&) { return engine() % 10 != 0; });
+    const Evaluator e = evaluator_of(m);
+    for (std::size_t l = 0; l < 81; ++l)
+        for (std::size_t v = 0; v < 81; ++v) {
+            const std::size_t expected = nearest_subspace(m, m.views[v], m.lights[l]);
+            const std::size_t found = e.interpolation().index()[l * 81 + v];
+            if (found == expected) continue;
+            // Two pairs at equal distance.
+            const auto closeness = [&](std::size_t k) {
+                float best = -3;
+                for (const IndexEntry& entry : m.index) {
+                    if (entry.subspace != k) continue;
+                    const Vec a = to_vector(m.views[v]);
+                    const Vec b = to_vector(m.views[entry.view]);
+                    const Vec c = to_vector(m.lights[l]);
+                    const Vec d = to_vector(m.lights[entry.light]);
+                    best = std::max(best, a[0] * b[0] + a[1] * b[1] + a[2] * b[2] +
+                                              c[0] * d[0] + c[1] * d[1] + c[2] * d[2]);
+                }
+                return best;
+            };
+            EXPECT_NEAR(closeness(found), closeness(expected), 1e-5);
+        }
+}
+
+TEST(Evaluate, HasTheMeanColourAndContrastOfTheReflectance) {
+    Material m = two_subspaces(0.05F);
+    m.reflectance = lambertian(m, 0.4F, 0.15F);
+    const Evaluator e = evaluator_of(m);
+    for (const float theta : {0.0F, 22.0F, 37.0F, 60.0F, 75.0F}) {
+        const Moments found = moments_over_texture(e, at(20, 10), at(theta, 33));
+        const double expected =
+            0.4 * std::cos(static_cast<double>(theta) * std::numbers::pi / 180);
+        EXPECT_NEAR(found.mean, expected, 0.001) << theta;
+        EXPECT_NEAR(found.deviation / found.mean, 0.15, 0.003) << theta;
+    }
+}
+
+TEST(Evaluate, AWhitePlateStaysWhite) {
+    Material m = two_subspaces(0);
+    for (Subspace& s : m.subspaces) s.spectral.mean = {1};
+    m.reflectance = lambertian(m, 1, 0);
+    const Evaluator e = evaluator_of(m);
+    for (const float theta : {0.0F, 15.0F, 45.0F, 75.0F, 82.0F, 89.0F}) {
+        const float cosine = std::cos(theta * kRadiansPerDegree);
+        for (const float u : {0.0F, 0.3F, -7.7F})
+            EXPECT_NEAR(e.evaluate({u, 0.1F, at(30, 80), at(theta, 18)})[0], cosine,
+                        2e-3F)
+                << theta;
+    }
+    EXPECT_EQ(e.evaluate({0, 0, at(0, 0), {1, 0, 0}})[0], 0);
+    EXPECT_EQ(e.evaluate({0, 0, at(0, 0), {0, 0, -1}})[0], 0);
+}
+
+// f(l, v) = value / cos θ_l.
+TEST(Evaluate, ALambertianMaterialIsReciprocalAndReflectsItsAlbedo) {
+    Material m = two_subspaces(0.05F);
+    m.reflectance = lambertian(m, 0.8F, 0);
+    const Evaluator e = evaluator_of(m);
+    for (const auto& [a, b] : {std::pair{at(15, 0), at(60, 90)}, {at(0, 0), at(75, 45)}})
+        EXPECT_NEAR(e.evaluate({0.5F, 0.5F, a, b})[0] / b[2],
+                    e.evaluate({0.5F, 0.5F, b, a})[0] / a[2], 0.002);
+    // ∫ value dω / π over the hemisphere of lights, by the midpoint rule.
+    double sum = 0;
+    constexpr int kSteps = 60;
+    for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j) {
+            const float z = (static_cast<float>(i) + 0.5F) / kSteps;
+            const float phi = 360 * (static_cast<float>(j) + 0.5F) / kSteps;
+            const Vec light = at(std::acos(z) / kRadiansPerDegree, phi);
+            sum += static_cast<double>(e.evaluate({0.1F, 0.2F, at(30, 0), light})[0]);
+        }
+    EXPECT_NEAR(2 * sum / (kSteps * kSteps), 0.8, 0.002);
+}
+
+TEST(Evaluate, IsContinuousInDirections) {
+    Material m = two_subspaces(0.05F);
+    m.reflectance = lambertian(m, 0.8F, 0.2F);
+    const Evaluator e = evaluator_of(m);
+    float before = 0;
+    for (int i = 0; i <= 3600; ++i) {
+        const float t = static_cast<float>(i) / 40;
+        const float value =
+            e.evaluate({0.3F, 0.4F, at(89 - 0.9F * t, 3 * t), at(t, 100 - t)})[0];
+        if (i > 0) {
+            ASSERT_NEAR(value, before, 0.01F) << t;
+        }
+        before = value;
+    }
+}
+
+TEST(Evaluate, WithoutReflectanceItIsTheTexture) {
+    const Material m = two_subspaces(0.05F);
+    const Evaluator e = evaluator_of(m);
+    SerialExecutor executor;
+    Progress progress;
+    SynthesisOptions options;
+    options.rows = options.cols = 64;
+    options.tileable = true;
+    const auto texture = synthesise(m, 1, options, executor, progress);
+    ASSERT_TRUE(texture);
+    for (std::size_t r = 0; r < 64; r += 5)
+        for (std::size_t c = 0; c < 64; c += 7)
+            EXPECT_NEAR(e.evaluate({(static_cast<float>(c) + 0.5F) / 64,
+                                    -(static_cast<float>(r) + 0.5F) / 64, at(15, 0),
+                                    at(60, 18)})[0],
+                        (*texture)(0, r, c), 1e-4);
+}
+
+TEST(Evaluate, PhotographsAreLitByTheCosine) {
+    Material m = test::plain_material({Car2d{}});
+    m.subspaces = {subspace(0.5F, 0)};
+    const Evaluator e = evaluator_of(m);
+    EXPECT_NEAR(e.evaluate({0, 0, at(40, 0), at(60, 0)})[0], 0.25F, 1e-4);
+}
+
+TEST(Evaluate, OneLightAnswersForAllByTheCosine) {
+    Material m = two_subspaces(0);
+    m.lights = {direction_from_degrees(30, 0)};
+    std::erase_if(m.index, [](const IndexEntry& entry) { return entry.light != 0; });
+    const Evaluator e = evaluator_of(m);
+    EXPECT_NEAR(e.evaluate({0, 0, at(0, 0), at(30, 0)})[0], 0.5F, 1e-4);
+    EXPECT_NEAR(e.evaluate({0, 0, at(0, 0), at(60, 90)})[0],
+                0.5F * 0.5F / std::cos(30 * kRadiansPerDegree), 1e-4);
+}
+
+TEST(Evaluate, ABatchGivesTheSameAsItsPoints) {
+    Material m = two_subspaces(0.05F);
+    m.reflectance = lambertian(m, 0.8F, 0.2F);
+    const Evaluator e = evaluator_of(m);
+    std::vector<ShadingPoint> points;
+    for (int i = 0; i < 100; ++i) {
+        const auto t = static_cast<float>(i);
+        points.push_back({0.1F * t, -0.3F * t, at(t * 0.8F, t), at(60, 5 * (t / 10))});
+    }
+    std::vector<Vec> values(points.size());
+    e.evaluate(points, values);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(values[i], e.evaluate(points[i]));
+}
+
+// Ridges along y: a relief whose normals are known.
+Material ridged() {
+    Material m = two_subspaces(0.02F);
+    m.reflectance = lambertian(m, 0.5F, 0.08F);
+    Image tile(1, 32, 32);
+    for (std::size_t r = 0; r < 32; ++r)
+        for (std::size_t c = 0; c < 32; ++c)
+            tile(0, r, c) =
+                std::sin(static_cast<float>(c) * std::numbers::pi_v<float> / 8);
+    const std::vector<Image> tiles = {tile};
+    m.surface = *quantise_surface(tiles, 0.001F);
+    m.surface->delit = true;
+    return m;
+}
+
+TEST(Evaluate, CountsBrightnessOnceWhenRelit) {
+    const Evaluator e = evaluator_of(ridged());
+    for (const auto& light : {at(0, 0), at(45, 0), at(45, 90), at(60, 180)}) {
+        const Moments found = moments_over_texture(e, at(0, 0), light);
+        EXPECT_NEAR(found.mean, 0.5 * static_cast<double>(light[2]), 0.005);
+        // On a torus of 64 pixels texture and ridges are not quite independent.
+        EXPECT_NEAR(found.deviation / found.mean, 0.08, 0.015);
+    }
+}
+
+TEST(Evaluate, RidgesShowLitFromTheSideAndNotAlong) {
+    Material m = ridged();
+    m.reflectance.reset();
+    const Evaluator e = evaluator_of(m);
+    const auto contrast = [&](const Vec& light) {
+        const Moments found = moments_over_texture(e, at(0, 0), light);
+        return found.deviation / found.mean;
+    };
+    EXPECT_GT(contrast(at(45, 0)), 3 * contrast(at(45, 90)));
+    // Slopes that face a light from +x are on the side of falling heights.
+    const auto lit = e.prepare(at(0, 0), at(45, 0));
+    EXPECT_GT(e.sample(lit, 8.0F / 64, 0.5F)[0], e.sample(lit, 0.0F, 0.5F)[0]);
+}
+
+TEST(Evaluate, MarchingFindsThePointUnderTheRay) {
+    const Material m = ridged();
+    EvaluatorOptions options{.side = 64};
+    options.relief = Relief::marched;
+    const Evaluator marched = evaluator_of(m, options);
+    // From straight above nothing moves.
+    const Evaluator flat = evaluator_of(m);
+    const auto a = marched.prepare(at(0, 0), at(30, 0));
+    const auto b = flat.prepare(at(0, 0), at(30, 0));
+    for (const float u : {0.1F, 0.2F, 0.7F})
+        EXPECT_NEAR(marched.sample(a, u, 0.3F)[0], flat.sample(b, u, 0.3F)[0], 1e-5);
+    // A top (height 1 pixel at column 4.5) is seen displaced by tan 45° pixels.
+    const auto c = marched.prepare(at(45, 0), at(30, 0));
+    const auto d = flat.prepare(at(45, 0), at(30, 0));
+    const float top = 4.5F / 64;
+    EXPECT_NEAR(marched.sample(c, top - 1.0F / 64, 0.3F)[0], flat.sample(d, top, 0.3F)[0],
+                0.01);
+}
+
+TEST(Evaluate, RefusesSidesOutOfRange) {
+    SerialExecutor executor;
+    Progress progress;
+    EvaluatorOptions options;
+    options.side = 8;
+    EXPECT_FALSE(Evaluator::create(two_subspaces(0), options, executor, progress));
+}
+
+}  // namespace
+}  // namespace sateen
