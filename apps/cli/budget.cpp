@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <utility>
+#include <variant>
 
 #include "sateen/io/material_file.hpp"
 #include "sateen/material/file.hpp"
@@ -33,6 +34,11 @@ std::size_t most_neighbours(const Material& material) {
 std::vector<Saving> savings_of(const AnalysisOptions& options, const Material& material) {
     std::vector<Saving> savings;
     const auto most = static_cast<double>(most_neighbours(material));
+    if (options.field == FieldKind::automatic && options.joint &&
+        std::holds_alternative<Car3d>(
+            material.subspaces.front().levels.front().fields.front()))
+        savings.push_back({"a field for every plane",
+                           [](AnalysisOptions& o) { o.joint = false; }, 1.0 / 3});
     if (!options.neighbourhood) {
         for (const int order : {4, 2, 1}) {
             const auto count = static_cast<double>(hierarchical_half_plane(order).size());

@@ -79,16 +79,20 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
 
 /// Why the automatic field is what it is.
 nlohmann::ordered_json choice_json(const FieldChoice& choice) {
-    return {{"criterion",
-             "Bayesian information n D + k ln n with Whittle's deviance D, "
-             "smaller is better; both models at equal bytes a coefficient"},
-            {"fields", {{"car2d", choice.car2d}, {"gmrf2d", choice.gmrf2d}}},
-            {"all_car2d", choice.information_car2d},
-            {"all_gmrf2d", choice.information_gmrf2d},
-            {"as_chosen", choice.information},
-            {"not_considered",
-             "car3d, sar3d: no better than planes apart after the "
-             "Karhunen-Loève transform, at 3 times the coefficients"}};
+    nlohmann::ordered_json json = {
+        {"criterion", "Bayesian information n D + k ln n with Whittle's deviance D, smaller "
+                      "is better; all models take as many bytes a coefficient"},
+        {"fields",
+         {{"car2d", choice.car2d}, {"gmrf2d", choice.gmrf2d}, {"car3d", choice.car3d}}},
+        {"all_car2d", choice.information_car2d},
+        {"all_gmrf2d", choice.information_gmrf2d},
+        {"best_plane_by_plane", choice.information_apart}};
+    if (choice.information_car3d != 0)
+        json["all_car3d"] = choice.information_car3d;
+    else
+        json["not_considered"] = "car3d, which takes twice the bytes: for materials of one "
+                                 "subspace, if the budget allows";
+    return json;
 }
 
 void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& result,

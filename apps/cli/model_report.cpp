@@ -75,20 +75,23 @@ Result<std::string> part_table(const Material& material, std::size_t bytes) {
 }
 
 std::string choice_table(const FieldChoice& choice) {
-    if (choice.car2d + choice.gmrf2d == 0) return {};
+    if (choice.car2d + choice.gmrf2d + choice.car3d == 0 || choice.information_apart == 0)
+        return {};
     std::string table =
-        "<h2>Field models</h2>\n<p>Chosen field by field for the least Bayesian "
-        "information <i>n D + k</i> ln <i>n</i>, <i>D</i> Whittle's deviance of the "
-        "model's spectrum from the sample's; both hold as many bytes a coefficient."
-        "</p>\n<table><tr><th>model</th><th>fields</th><th>information, were all of "
-        "it</th></tr>";
+        "<h2>Field models</h2>\n<p>Chosen for the least Bayesian information <i>n D + k</i> "
+        "ln <i>n</i>, <i>D</i> Whittle's deviance of the model's spectrum from the sample's; "
+        "all take as many bytes a coefficient.</p>\n<table><tr><th>model</th><th>fields"
+        "</th><th>information, were all of it</th></tr>";
     const auto add = [&table](std::string_view name, std::size_t fields, double sum) {
         table += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.0f}</td></tr>", name,
                              fields, sum);
     };
     add("car2d", choice.car2d, choice.information_car2d);
     add("gmrf2d", choice.gmrf2d, choice.information_gmrf2d);
-    add("as chosen", choice.car2d + choice.gmrf2d, choice.information);
+    add("better of the two, field by field", choice.car2d + choice.gmrf2d,
+        choice.information_apart);
+    if (choice.information_car3d != 0)
+        add("car3d, planes together", choice.car3d, choice.information_car3d);
     return table + "</table>\n";
 }
 

@@ -224,6 +224,8 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
     //    the others align their spectral transforms with it.
     progress.stage("modelling");
     const std::size_t count = representatives.observations.size();
+    AnalysisOptions fields = options;
+    fields.joint = options.joint && count == 1;
     std::vector<std::optional<Result<SubspaceFit>>> fits(count);
     std::mutex mutex;
     std::size_t finished = 0;
@@ -233,7 +235,7 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
         Result<std::vector<Image>> images =
             read_all(measurement, representatives.observations[k], options.skip_bad,
                      notes, executor);
-        fits[k] = images ? fit_subspace(std::move(*images), options, reference,
+        fits[k] = images ? fit_subspace(std::move(*images), fields, reference,
                                         layer ? &*layer : nullptr, executor)
                          : Result<SubspaceFit>(std::move(images).error());
         const std::lock_guard lock(mutex);

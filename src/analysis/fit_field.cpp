@@ -56,7 +56,7 @@ Result<FieldModel> fit_best(const Autocovariance& R, const NeighbourhoodOptions&
     const double of_car = information_of(car, R);
     double of_gmrf = information_of(field, R, kComparing.last_grid);
     if (!(of_gmrf < of_car)) {
-        choice.add({1, 0, of_car, of_gmrf, of_car});
+        choice.add({1, 0, 0, of_car, of_gmrf, of_car, 0});
         return FieldModel(std::move(car));
     }
     SATEEN_TRY(const NaturalGmrf2d refined,
@@ -65,8 +65,8 @@ Result<FieldModel> fit_best(const Autocovariance& R, const NeighbourhoodOptions&
     // As stored it may be another: shrunk where its spectrum nearly had a pole.
     of_gmrf = information_of(gmrf, R);
     const bool markov = of_gmrf < of_car;
-    choice.add(
-        {markov ? 0U : 1U, markov ? 1U : 0U, of_car, of_gmrf, std::min(of_car, of_gmrf)});
+    choice.add({markov ? 0U : 1U, markov ? 1U : 0U, 0, of_car, of_gmrf,
+                std::min(of_car, of_gmrf), 0});
     return markov ? FieldModel(std::move(gmrf)) : FieldModel(std::move(car));
 }
 
@@ -120,9 +120,11 @@ Result<FieldModel> gmrf2d_as_printed(PlaneView<const float> band,
 void FieldChoice::add(const FieldChoice& other) {
     car2d += other.car2d;
     gmrf2d += other.gmrf2d;
+    car3d += other.car3d;
     information_car2d += other.information_car2d;
     information_gmrf2d += other.information_gmrf2d;
-    information += other.information;
+    information_apart += other.information_apart;
+    information_car3d += other.information_car3d;
 }
 
 Result<FieldModel> fit_field(const Autocovariance& toroidal,

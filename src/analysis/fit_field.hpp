@@ -34,11 +34,13 @@ inline constexpr double kNegligibleVariance = 1e-10;
                                                       Executor& executor);
 
 /// The field of all planes of one level, car3d or sar3d by the options. Planes that are
-/// constant are left out and come back as constants.
+/// constant are left out and come back as constants. The Bayesian information of a car3d
+/// is added to `choice`.
 /// \param place  names the level in notes
 [[nodiscard]] Result<FieldModel> fit_joint_field(const CrossAutocovariance& R,
                                                  const AnalysisOptions& options,
                                                  const std::string& place,
+                                                 FieldChoice& choice,
                                                  std::vector<std::string>& notes);
 
 }  // namespace sateen

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The field of all planes of one level. See fit_field.hpp.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -92,11 +93,30 @@ void finish(Autoregression3d& model, const CrossAutocovariance& R,
     restore_planes(model, planes, R.planes());
 }
 
+// Schwarz's criterion with Whittle's deviance of d planes, mean_t (ln |S_t| + tr S_t⁻¹ P_t),
+// for least squares on a torus: a causal Λ has ln |Λ| of mean 0, and the trace has mean d.
+//
+//     n (ln |Σ| + d) + (d² η + d (d + 1)/2) ln n,    Σ = λ/n
+//
+// while the Bayesian estimate is λ/(β(0) + n).
+double information_of(const Car3d& model, double sites) {
+    const auto d = static_cast<Eigen::Index>(model.planes);
+    const Eigen::MatrixXd Sigma =
+        Eigen::Map<const Eigen::MatrixXf>(model.Sigma.data(), d, d).cast<double>();
+    const double log_determinant =
+        2 * Sigma.llt().matrixLLT().diagonal().array().log().sum();
+    const auto planes = static_cast<double>(d);
+    const double numbers =
+        static_cast<double>(model.A.size()) + planes * (planes + 1) / 2;
+    const double shrinkage = planes * std::log1p(Car3dPrior().beta / sites);
+    return sites * (log_determinant + shrinkage + planes) + numbers * std::log(sites);
+}
+
 }  // namespace
 
 Result<FieldModel> fit_joint_field(const CrossAutocovariance& toroidal,
                                    const AnalysisOptions& options,
-                                   const std::string& place,
+                                   const std::string& place, FieldChoice& choice,
                                    std::vector<std::string>& notes) {
     const CrossAutocovariance R = options.paper ? toroidal : toroidal.resolved();
     const std::size_t d = R.planes();
@@ -120,6 +140,8 @@ Result<FieldModel> fit_joint_field(const CrossAutocovariance& toroidal,
         return FieldModel(std::move(model));
     }
     SATEEN_TRY(Car3dEstimate estimate, estimate_car3d(equations));
+    choice.add(
+        {.car3d = 1, .information_car3d = information_of(estimate.model, R.sites())});
     finish(estimate.model, R, planes, options, place, notes);
     return FieldModel(std::move(estimate.model));
 }

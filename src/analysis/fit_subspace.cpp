@@ -170,11 +170,56 @@ Result<void> fit_joint_levels(const std::vector<Image>& images,
         if (options.paper) break;
     }
     for (std::size_t level = 0; level < levels; ++level) {
-        SATEEN_TRY(FieldModel field,
-                   fit_joint_field(pooled[level], options,
-                                   "level " + std::to_string(level), fit.notes));
+        SATEEN_TRY(FieldModel field, fit_joint_field(pooled[level], options,
+                                                     "level " + std::to_string(level),
+                                                     fit.choice, fit.notes));
         subspace.levels[level].fields.push_back(std::move(field));
     }
+    return {};
+}
+
+/// A field for every level and plane.
+Result<void> fit_planes_apart(const std::vector<Image>& images,
+                              const AnalysisOptions& options, SubspaceFit& fit,
+                              Executor& executor) {
+    Subspace& subspace = fit.subspace;
+    const std::size_t levels = subspace.levels.size();
+    for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
+        std::vector<FieldModel> fields(levels);
+        const double scale = static_cast<double>(subspace.marginals[plane].scale);
+        if (scale > 0 && options.paper) {
+            SATEEN_TRY(fields,
+                       fit_plane_as_printed(images.front().plane(plane), scale, levels,
+                                            plane, options, fit.notes, executor));
+        } else if (scale > 0) {
+            SATEEN_TRY(fields,
+                       fit_plane(planes_of(images, plane), subspace.marginals[plane],
+                                 levels, options, fit.choice, executor));
+        }
+        for (std::size_t level = 0; level < levels; ++level)
+            subspace.levels[level].fields.push_back(std::move(fields[level]));
+    }
+    return {};
+}
+
+/// Replaces the fields by joint ones where these explain the sample better for what they
+/// cost: planes that the Karhunen-Loève transform made uncorrelated at a site may still
+/// follow each other at a distance.
+Result<void> try_planes_together(const std::vector<Image>& images,
+                                 const AnalysisOptions& options, SubspaceFit& fit,
+                                 Executor& executor) {
+    AnalysisOptions together = options;
+    together.field = FieldKind::car3d;
+    SubspaceFit joint;
+    joint.subspace.marginals = fit.subspace.marginals;
+    joint.subspace.levels.resize(fit.subspace.levels.size());
+    SATEEN_CHECK(fit_joint_levels(images, together, joint, executor));
+    const double information = joint.choice.information_car3d;
+    fit.choice.information_car3d = information;
+    if (!(information < fit.choice.information_apart)) return {};
+    fit.subspace.levels = std::move(joint.subspace.levels);
+    fit.choice.car3d = joint.choice.car3d;
+    fit.choice.car2d = fit.choice.gmrf2d = 0;
     return {};
 }
 
@@ -267,21 +312,12 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
         SATEEN_CHECK(fit_joint_levels(images, options, fit, executor));
         return fit;
     }
-    for (std::size_t plane = 0; plane < d; ++plane) {
-        std::vector<FieldModel> fields(levels);
-        const double scale = static_cast<double>(subspace.marginals[plane].scale);
-        if (scale > 0 && options.paper) {
-            SATEEN_TRY(fields,
-                       fit_plane_as_printed(images.front().plane(plane), scale, levels,
-                                            plane, options, fit.notes, executor));
-        } else if (scale > 0) {
-            SATEEN_TRY(fields,
-                       fit_plane(planes_of(images, plane), subspace.marginals[plane],
-                                 levels, options, fit.choice, executor));
-        }
-        for (std::size_t level = 0; level < levels; ++level)
-            subspace.levels[level].fields.push_back(std::move(fields[level]));
-    }
+    SATEEN_CHECK(fit_planes_apart(images, options, fit, executor));
+    const auto varying = std::ranges::count_if(
+        subspace.marginals, [](const Marginal& marginal) { return marginal.scale > 0; });
+    if (options.field == FieldKind::automatic && options.joint && !options.paper &&
+        varying > 1)
+        SATEEN_CHECK(try_planes_together(images, options, fit, executor));
     return fit;
 }
 

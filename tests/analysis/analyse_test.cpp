@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -77,9 +78,10 @@ TEST(AnalysisOptions, AreCheckedBeforeAnyWork) {
     EXPECT_EQ(message({}), "");
     EXPECT_NE(message({.subspaces = 21}).find("subspaces: found 21"), std::string::npos);
     EXPECT_NE(message({.levels = 9}).find("levels: found 9"), std::string::npos);
-    EXPECT_NE(message({.neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::order, 14}})
-                  .find("order:14"),
-              std::string::npos);
+    EXPECT_NE(
+        message({.neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::order, 14}})
+            .find("order:14"),
+        std::string::npos);
 }
 
 TEST(AnalysisOptions, OfPaperModeGiveWayToTheUsers) {
@@ -125,6 +127,38 @@ TEST(Analyse, DescribesAPhotograph) {
         EXPECT_EQ(marginal.knots.size(), Marginal::kKnots);
 }
 
+/// Three channels of noise; the second repeats so much of the first, two pixels away.
+Image noise_that_follows(float share) {
+    Image image(3, 128, 128);
+    for (std::uint32_t band = 0; band < 3; ++band)
+        for (std::size_t r = 0; r < image.rows(); ++r)
+            draw_normals({7, band}, static_cast<std::int32_t>(r), 0,
+                         std::span(image.plane(band).row(r), image.cols()));
+    for (std::size_t r = 0; r < image.rows(); ++r)
+        for (std::size_t c = 0; c < image.cols(); ++c)
+            image(1, r, c) = share * image(0, r, (c + 2) % image.cols()) +
+                             std::sqrt(1 - share * share) * image(1, r, c);
+    for (float& value : image.values()) value = 0.4F + 0.05F * value;
+    return image;
+}
+
+TEST(Analyse, DrawsPlanesTogetherOnlyWhereOneFollowsAnother) {
+    const auto apart = analysed(SyntheticMeasurement({noise_that_follows(0)}));
+    EXPECT_EQ(apart.choice.car3d, 0U);
+    EXPECT_LT(apart.choice.information_apart, apart.choice.information_car3d);
+    const auto together = analysed(SyntheticMeasurement({noise_that_follows(0.8F)}));
+    EXPECT_EQ(together.choice.car3d, together.material.subspaces[0].levels.size());
+    // What the second channel's noise of variance 1 - 0.8² is worth: n ln 1/0.36, at
+    // least most of it.
+    EXPECT_GT(together.choice.information_apart - together.choice.information_car3d,
+              0.8 * 128 * 128 * std::log(1 / 0.36));
+    AnalysisOptions options;
+    options.joint = false;
+    EXPECT_EQ(
+        analysed(SyntheticMeasurement({noise_that_follows(0.8F)}), options).choice.car3d,
+        0U);
+}
+
 TEST(Analyse, PoolsPhotographsOfDifferentSize) {
     // Of one field, so that the pooled estimate is close to each.
     std::vector<Image> photographs;
@@ -136,11 +170,12 @@ TEST(Analyse, PoolsPhotographsOfDifferentSize) {
         for (float& value : image.values()) value = 0.5F + 0.02F * value;
         photographs.push_back(std::move(image));
     }
-    const auto analysis = analysed(SyntheticMeasurement(photographs),
-                                   {.field = FieldKind::car2d,
-                                    .levels = 1,
-                                    .neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::nearest, 3},
-                                    .tone = Tone::linear});
+    const auto analysis =
+        analysed(SyntheticMeasurement(photographs),
+                 {.field = FieldKind::car2d,
+                  .levels = 1,
+                  .neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::nearest, 3},
+                  .tone = Tone::linear});
     const Subspace& subspace = analysis.material.subspaces.at(0);
     EXPECT_EQ(subspace.members, 3U);
     const Car2d& field = car2d(subspace, 0, 0);

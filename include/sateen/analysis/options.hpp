@@ -55,8 +55,11 @@ enum class Space {
 
 struct AnalysisOptions {
     /// automatic: of car2d and gmrf2d the one with the better Bayesian information, field
-    /// by field.
+    /// by field; or, with `joint`, car3d for all levels where that is better still.
     FieldKind field = FieldKind::automatic;
+    /// automatic may draw the planes together in materials of one subspace: about twice the
+    /// bytes, which twenty subspaces have not to spare.
+    bool joint = true;
     /// Of car3d and sar3d; none: kl, or rgb in paper mode, as [SAR] and the 3D CAR model do.
     std::optional<Space> space = {};
     /// Exactly what [CAR2] prints: few neighbours, at most 3 levels, no marginal curves,
@@ -90,9 +93,11 @@ struct AnalysisOptions {
 struct FieldChoice {
     std::size_t car2d = 0;  ///< fields of this model
     std::size_t gmrf2d = 0;
+    std::size_t car3d = 0;
     double information_car2d = 0;  ///< Σ of the Bayesian information, were all car2d
     double information_gmrf2d = 0;
-    double information = 0;  ///< as chosen
+    double information_apart = 0;  ///< of the better one of the two in every field
+    double information_car3d = 0;  ///< were all car3d; 0 where that was not considered
     void add(const FieldChoice& other);
 };
 
