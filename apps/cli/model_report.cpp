@@ -18,20 +18,22 @@ std::string row(std::string_view name, std::string_view value) {
     return fmt::format("<tr><td>{}</td><td>{}</td></tr>", name, value);
 }
 
-/// The payload bytes of a material that holds nothing but one subspace, less those of one
-/// that holds the frame around it: what the subspace adds.
+/// The payload bytes of the parts that describe one subspace, in a material of its own.
 Result<std::size_t> bytes_of_subspace(const Material& material, std::size_t number) {
-    Material alone = material;
-    alone.views.clear();
-    alone.lights.clear();
-    alone.index.clear();
+    Material alone;
+    alone.sample_rows = material.sample_rows;
+    alone.sample_cols = material.sample_cols;
+    alone.bands = material.bands;
+    alone.drawing = material.drawing;
+    alone.structure = material.structure;
     alone.subspaces = {material.subspaces[number]};
     alone.subspaces[0].view = alone.subspaces[0].light = 0;
     SATEEN_TRY(const auto parts, material_part_bytes(alone));
     std::size_t bytes = 0;
     for (const PartBytes& part : parts)
-        if (part.part == "subspaces" || part.part == "marginals" || part.part == "fields")
-            bytes += part.bytes;
+        for (const std::string_view own :
+             {"spectral transforms", "marginals", "fields", "structure"})
+            if (part.part == own) bytes += part.bytes;
     return bytes;
 }
 
