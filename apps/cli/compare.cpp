@@ -4,12 +4,14 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "arguments.hpp"
+#include "compare_directions.hpp"
 #include "compare_report.hpp"
 #include "comparison.hpp"
 #include "console.hpp"
@@ -30,29 +32,43 @@ struct CompareArguments {
     std::string reference;
     std::string candidate;
     std::string report;
+    std::size_t directions = 0;
 };
 
-Result<std::vector<Comparison>> compare_files(const CompareArguments& arguments,
-                                              Executor& executor) {
+/// What there is to say: textures side by side, and all directions of a measurement.
+struct Findings {
+    std::vector<Comparison> comparisons;
+    std::optional<DirectionComparison> directions;
+};
+
+Result<Findings> compare_files(const CompareArguments& arguments, Executor& executor) {
     SATEEN_TRY(Image reference, read_image(arguments.reference));
     SATEEN_TRY(Image candidate, read_image(arguments.candidate));
     SATEEN_TRY(Comparison comparison,
                compare_images("", {arguments.reference, std::move(reference)},
                               {arguments.candidate, std::move(candidate)}, executor));
-    std::vector<Comparison> comparisons;
-    comparisons.push_back(std::move(comparison));
-    return comparisons;
+    Findings findings;
+    findings.comparisons.push_back(std::move(comparison));
+    return findings;
 }
 
-Result<std::vector<Comparison>> compare_material(const std::string& material_path,
-                                                 const std::string& measurement_path,
-                                                 std::uint64_t seed, Executor& executor,
-                                                 Progress& progress) {
+Result<Findings> compare_material(const std::string& material_path,
+                                  const std::string& measurement_path,
+                                  const CompareArguments& arguments, Executor& executor,
+                                  Progress& progress) {
     SATEEN_TRY(const Material material, load_material(material_path));
     SATEEN_TRY(const std::unique_ptr<Measurement> measurement,
                open_measurement({&measurement_path, 1}, {}));
-    return compare_subspaces(material, material_path, *measurement, seed, executor,
-                             progress);
+    Findings findings;
+    SATEEN_TRY(findings.comparisons,
+               compare_subspaces(material, material_path, *measurement,
+                                 arguments.common.seed, executor, progress));
+    if (!material.index.empty() && measurement->info().has_directions()) {
+        SATEEN_TRY(findings.directions,
+                   compare_directions(material, *measurement, arguments.directions,
+                                      executor, progress));
+    }
+    return findings;
 }
 
 Json json_of(const Comparison& comparison) {
@@ -96,26 +112,32 @@ void print_text(const std::vector<Comparison>& comparisons, double total) {
 Result<void> run_compare(const CompareArguments& arguments) {
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
     ConsoleProgress progress;
-    const auto compare = [&]() -> Result<std::vector<Comparison>> {
+    const auto compare = [&]() -> Result<Findings> {
         if (looks_like_material(arguments.reference))
-            return compare_material(arguments.reference, arguments.candidate,
-                                    arguments.common.seed, *executor, progress);
+            return compare_material(arguments.reference, arguments.candidate, arguments,
+                                    *executor, progress);
         if (looks_like_material(arguments.candidate))
-            return compare_material(arguments.candidate, arguments.reference,
-                                    arguments.common.seed, *executor, progress);
+            return compare_material(arguments.candidate, arguments.reference, arguments,
+                                    *executor, progress);
         return compare_files(arguments, *executor);
     };
-    SATEEN_TRY(const std::vector<Comparison> comparisons, compare());
+    SATEEN_TRY(const Findings findings, compare());
+    const std::vector<Comparison>& comparisons = findings.comparisons;
     const double total = geometric_mean(comparisons);
     if (!arguments.report.empty()) {
+        std::string lead;
+        if (findings.directions) {
+            SATEEN_TRY(lead, section_of(*findings.directions));
+        }
         SATEEN_TRY(const std::string page,
-                   comparison_page(fmt::format("Texture similarity {:.2f}", total), "",
+                   comparison_page(fmt::format("Texture similarity {:.2f}", total), lead,
                                    comparisons));
         const std::vector<std::uint8_t> bytes(page.begin(), page.end());
         SATEEN_CHECK(write_file(arguments.report, bytes));
     }
     progress.clear();
     if (!arguments.common.json) {
+        if (findings.directions) fmt::print("{}\n", text_of(*findings.directions));
         print_text(comparisons, total);
         return {};
     }
@@ -126,6 +148,7 @@ Result<void> run_compare(const CompareArguments& arguments) {
         json["total"] = total;
         for (const Comparison& c : comparisons) json["subspaces"].push_back(json_of(c));
     }
+    if (findings.directions) json["directions"] = json_of(*findings.directions);
     fmt::print("{}\n", json.dump(2));
     return {};
 }
@@ -145,6 +168,11 @@ Verb add_compare(CLI::App& program) {
     verb->add_option(
         "--report", arguments->report,
         "Write a page with pictures, spectra and histograms side by side (.html)");
+    verb->add_option("--directions", arguments->directions,
+                     "Of a measurement, compare N images spread evenly; 0 for all")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(whole_number_up_to(kMaxPairs));
     verb->footer("1 is as close as two pieces of the reference, 2 twice as far.");
     arguments->common.add_to(*verb);
     return {verb, [arguments] { return run_compare(*arguments); }};

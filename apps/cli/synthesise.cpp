@@ -17,6 +17,7 @@
 #include "sateen/io/image_file.hpp"
 #include "sateen/io/material_file.hpp"
 #include "sateen/synthesis/synthesise.hpp"
+#include "sateen/synthesis/synthesise_direction.hpp"
 #include "sateen/synthesis/torus_size.hpp"
 #include "verbs.hpp"
 
@@ -40,6 +41,7 @@ struct SynthesiseArguments {
     bool tileable = false;
     bool recursive = false;
     bool all = false;
+    bool three_nearest = false;
 };
 
 /// The size that was asked for, or the one near it on which the pattern is strained least.
@@ -71,18 +73,26 @@ WriteOptions write_options(const SynthesiseArguments& arguments, Executor& execu
 }
 
 Result<void> write_one(const SynthesiseArguments& arguments, const Material& material,
-                       const TorusSize& size, std::size_t subspace, Executor& executor,
-                       Progress& progress) {
+                       const TorusSize& size, Executor& executor, Progress& progress) {
     const SynthesisOptions options = synthesis_options(arguments, size);
     SATEEN_TRY(const std::unique_ptr<ImageWriter> writer,
                ImageWriter::open(arguments.output, material.bands, options.rows,
                                  options.cols, write_options(arguments, executor)));
-    SATEEN_CHECK(synthesise(
-        material, subspace, options,
-        [&](std::size_t, ImageView<const float> strip) {
-            return writer->write_rows(strip);
-        },
-        executor, progress));
+    const auto write = [&](std::size_t, ImageView<const float> strip) {
+        return writer->write_rows(strip);
+    };
+    if (arguments.subspace) {
+        SATEEN_CHECK(synthesise(material, *arguments.subspace, options, write, executor,
+                                progress));
+    } else {
+        InterpolationOptions interpolation;
+        interpolation.three_nearest = arguments.three_nearest;
+        interpolation.reflectance = !arguments.three_nearest;
+        SATEEN_TRY(const Blend blend,
+                   blend_of(material, parse_direction(arguments.view),
+                            parse_direction(arguments.light), interpolation, executor));
+        SATEEN_CHECK(synthesise(material, blend, options, write, executor, progress));
+    }
     return writer->finish();
 }
 
@@ -129,7 +139,7 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     if (arguments.all) {
         SATEEN_TRY(written, write_all(arguments, material, size, *executor, progress));
     } else {
-        SATEEN_CHECK(write_one(arguments, material, size, subspace, *executor, progress));
+        SATEEN_CHECK(write_one(arguments, material, size, *executor, progress));
     }
 
     progress.clear();
@@ -223,6 +233,8 @@ Verb add_synthesise(CLI::App& program) {
         ->capture_default_str()
         ->check(CLI::IsMember({"png", "jpg", "exr", "tif"}))
         ->needs(all);
+    verb->add_flag("--three-nearest", arguments->three_nearest,
+                   "Interpolate the three nearest directions alone, as [CAR2] does");
     offset->excludes(tileable)->excludes(all);
     for (CLI::Option* other : {view, light, subspace}) other->excludes(all);
     subspace->excludes(view)->excludes(light);

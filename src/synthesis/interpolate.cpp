@@ -135,43 +135,9 @@ void DirectionalInterpolation::fill_index(const Material& material) {
 }
 
 void DirectionalInterpolation::take_reflectance(const Reflectance& reflectance) {
-    const std::size_t rank = reflectance.rank;
-    const std::size_t channels = reflectance.channels;
-    light_factors_.resize(light_heights_.size());
-    view_factors_.resize(view_count_);
-    for (std::size_t l = 0; l < light_factors_.size(); ++l)
-        for (std::size_t k = 0; k < rank; ++k)
-            light_factors_[l][k] = reflectance.lights[l * rank + k];
-    for (std::size_t v = 0; v < view_count_; ++v)
-        for (std::size_t c = 0; c < channels; ++c) {
-            view_factors_[v].base[c] = reflectance.base[v * channels + c];
-            for (std::size_t k = 0; k < rank; ++k)
-                view_factors_[v].factors[c][k] =
-                    reflectance.views[(v * channels + c) * rank + k];
-        }
-}
-
-std::array<float, 4> DirectionalInterpolation::encoded(
-    const DirectionWeights& view, const DirectionWeights& light) const {
-    alignas(64) std::array<float, kRank> a{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const auto& factors = light_factors_[light.index[i]];
-        for (std::size_t k = 0; k < kRank; ++k) a[k] += light.weight[i] * factors[k];
-    }
-    std::array<float, 4> e{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const ViewFactors& at = view_factors_[view.index[i]];
-        for (std::size_t c = 0; c <= bands_; ++c) {
-            // Four sums of their own, so that the compiler may use a vector.
-            std::array<float, 4> sums{};
-            for (std::size_t k = 0; k < kRank; k += 4)
-                for (std::size_t j = 0; j < 4; ++j)
-                    sums[j] += a[k + j] * at.factors[c][k + j];
-            e[c] += view.weight[i] *
-                    (at.base[c] + ((sums[0] + sums[1]) + (sums[2] + sums[3])));
-        }
-    }
-    return e;
+    for (std::size_t l = 0; l < light_heights_.size(); ++l)
+        for (std::size_t v = 0; v < view_count_; ++v)
+            encoded_.push_back(encoded_appearance(reflectance, v, l));
 }
 
 Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
@@ -195,6 +161,7 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
 
     // 1. The 3 x 3 products, those of equal subspaces merged.
     blend.count = 0;
+    EncodedAppearance e{};
     float height = 0;  // of the lights, interpolated as the textures are
     float root = 0;    // and as the reflectance is
     for (std::size_t i = 0; i < 3; ++i) {
@@ -203,7 +170,10 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
         for (std::size_t j = 0; j < 3; ++j) {
             const float weight = l.weight[i] * v.weight[j];
             if (weight == 0) continue;
-            const std::uint8_t k = index_[l.index[i] * view_count_ + v.index[j]];
+            const std::size_t pair = l.index[i] * view_count_ + v.index[j];
+            if (!encoded_.empty())
+                for (std::size_t c = 0; c < 4; ++c) e[c] += weight * encoded_[pair][c];
+            const std::uint8_t k = index_[pair];
             std::size_t at = 0;
             while (at < blend.count && blend.subspace[at] != k) ++at;
             if (at == blend.count) {
@@ -223,7 +193,7 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
     };
     float fade = cosine_for(height);
     blend.gain = {fade, fade, fade};
-    if (light_factors_.empty()) return blend;
+    if (encoded_.empty()) return blend;
 
     // 3. Mean colour and contrast of these directions in place of the blend's own.
     const std::size_t n = moments_.mean.size();
@@ -238,7 +208,6 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
                         moments_.covariance[k * n + blend.subspace[j]];
     }
     fade = cosine_for(root * root * root);
-    const std::array<float, 4> e = encoded(v, l);
     const float own = luminance(mean, bands_);
     const float contrast = own > 0 ? std::sqrt(std::max(0.0F, variance)) / own : 0.0F;
     const float s = shading_contrast * shading_contrast;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace sateen {
 
@@ -29,14 +29,15 @@ struct BilinearTaps {
         std::size_t second;
         float part;
         Axis(float turns, std::size_t side) {
-            const float x = (turns - std::floor(turns)) * static_cast<float>(side) - 0.5F;
-            const float whole = std::floor(x);
-            const auto n = static_cast<std::ptrdiff_t>(side);
-            const auto below = static_cast<std::ptrdiff_t>(whole);
-            const std::ptrdiff_t wrapped = below < 0 ? below + n : below;
-            first = static_cast<std::size_t>(wrapped < n ? wrapped : 0);
-            second = first + 1 == side ? 0 : first + 1;
-            part = x - whole;
+            // Floors by conversion: the library's is a call without SSE 4.1.
+            const float rest =
+                turns - static_cast<float>(static_cast<std::int64_t>(turns));
+            const float x =
+                (rest < 0 ? rest + 1 : rest) * static_cast<float>(side) + 0.5F;
+            const auto next = static_cast<std::size_t>(x);  // 0 … side
+            first = next == 0 ? side - 1 : next - 1;
+            second = next == side ? 0 : next;
+            part = x - static_cast<float>(next);
         }
     };
 };

@@ -80,11 +80,8 @@ class DirectionalInterpolation {
 
   private:
     DirectionalInterpolation() = default;
-    static constexpr std::size_t kRank = Reflectance::kMaxRank;
     void fill_index(const Material& material);
     void take_reflectance(const Reflectance& reflectance);
-    [[nodiscard]] std::array<float, 4> encoded(const DirectionWeights& view,
-                                               const DirectionWeights& light) const;
 
     std::optional<DirectionMesh> views_;
     std::optional<DirectionMesh> lights_;
@@ -96,13 +93,9 @@ class DirectionalInterpolation {
     TextureMoments moments_;
     InterpolationOptions options_;
     bool cosine_included_ = true;
-    // The reflectance with its rank filled up to 16; empty without one.
-    std::vector<std::array<float, kRank>> light_factors_;
-    struct ViewFactors {
-        std::array<std::array<float, kRank>, 4> factors = {};
-        std::array<float, 4> base = {};
-    };
-    std::vector<ViewFactors> view_factors_;
+    // e_0 … e_d of every pair, (lights, views): interpolating the products is the same as
+    // multiplying interpolated factors, and cheaper. Empty without a reflectance.
+    std::vector<EncodedAppearance> encoded_;
 };
 
 }  // namespace sateen
