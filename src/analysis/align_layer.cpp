@@ -15,11 +15,12 @@ namespace {
 
 /// Slow changes of brightness wider than this many cells do not count.
 constexpr double kSlow = 1.5;
-constexpr int kIterations = 14;
+constexpr int kIterations = 18;
+constexpr int kWideIterations = 6;
 /// Windows: in cells at first, then shrinking by kShrink to kFloor cells, but not below
 /// kSmallestWindow pixels, where displacements begin to follow the noise.
 constexpr double kFirstWindow = 0.45;
-constexpr double kFloor = 0.15;
+constexpr double kFloor = 0.08;
 constexpr double kShrink = 0.75;
 constexpr double kSmallestWindow = 5;
 /// Cells smaller than this gain nothing from finer windows.
@@ -114,7 +115,7 @@ class Alignment {
         const double floor = std::max(kSmallestWindow, kFloor * cell_);
         double window = std::max(kSmallestWindow, kFirstWindow * cell_);
         for (int i = 0; i < kIterations; ++i) {
-            if (i >= kIterations / 2 && cell_ >= kFineCell)
+            if (i >= kWideIterations && cell_ >= kFineCell)
                 window = std::max(floor, window * kShrink);
             step(window);
             straighten();
