@@ -3,12 +3,14 @@
 """Runs the benchmarks of a build, keeps bench/results.json, writes docs/results.md.
 
     tools/make_results.py [--build build/dev] [--measurement ZIP] [--side 32768]
+                          [--pictures IMAGE...]
     tools/make_results.py --only-write      docs/results.md from bench/results.json
 """
 
 import argparse
 import datetime
 import json
+import math
 import os
 import pathlib
 import re
@@ -163,6 +165,127 @@ def run_all(build, measurement, side):
     return figures
 
 
+# --- pictures ---------------------------------------------------------------------------
+
+MODELS = ["car2d", "gmrf2d", "car3d", "sar3d"]
+ORDERS = [1, 2, 4, 6, 8]
+LEVELS = [1, 2, 3, 4, 5]
+
+
+def score(program, picture, options):
+    """Similarity to the picture of a texture of 512 x 512 of its model."""
+    with tempfile.TemporaryDirectory() as folder:
+        material, texture = f"{folder}/m.sateen", f"{folder}/t.png"
+        output_of(program, "model", picture, "-o", material, *options)
+        output_of(program, "synthesise", material, "-o", texture, "--tileable")
+        return json.loads(output_of(program, "compare", picture, texture, "--json"))["total"]
+
+
+def geometric_mean(values):
+    return math.exp(sum(map(math.log, values)) / len(values))
+
+
+def model_scores(program, pictures):
+    """Mean scores without periodic layer: by model and order, and by model and levels."""
+
+    def mean(model, order, levels):
+        options = ["--field", model, "--neighbourhood", f"order:{order}"]
+        options += ["--levels", str(levels), "--structure", "none"]
+        return geometric_mean([score(program, p, options) for p in pictures])
+
+    rows = []
+    for model in MODELS:
+        say(f"scores of {model}")
+        rows.append({
+            "model": model,
+            "by_order": {o: mean(model, o, 5) for o in ORDERS},
+            "by_levels": {levels: mean(model, 6, levels) for levels in LEVELS},
+        })  # fmt: skip
+    return rows
+
+
+def picture_results(build, pictures):
+    say("rivals_bench")
+    rivals = json.loads(output_of(build / "bench" / "rivals_bench", *pictures))
+    say("validity_bench")
+    validity = output_of(build / "bench" / "validity_bench", *pictures).splitlines()
+    return {
+        "rivals": rivals,
+        "validity": [json.loads(line) for line in validity],
+        "models": model_scores(build / "bin" / "sateen", pictures),
+    }
+
+
+def rival_lines(rivals):
+    methods = [entry["method"] for entry in rivals["mean"]]
+    lines = [
+        "", "## Beside its rivals", "",
+        "`rivals_bench`: texture similarity (1 is as close as two pieces of the photograph; "
+        "smaller is better), results of 512 x 512, one seed. Bytes: what must be kept to draw "
+        "again.", "",
+        "| | " + " | ".join(methods) + " |", "|---|" + "--:|" * len(methods),
+    ]  # fmt: skip
+    textures = {}
+    for entry in rivals["textures"]:
+        textures.setdefault(entry["texture"], {})[entry["method"]] = entry["score"]
+    for texture, scores in textures.items():
+        cells = [f"{scores[m]:.2f}" if m in scores else "" for m in methods]
+        lines.append(f"| {texture} | " + " | ".join(cells) + " |")
+    for key, name, form in (
+        ("score", "**geometric mean**", "{:.2f}"), ("seam", "seam ratio", "{:.2f}"),
+        ("seconds", "seconds", "{:.2f}"), ("bytes", "bytes", "{:.0f}"),
+    ):  # fmt: skip
+        cells = [form.format(entry[key]) for entry in rivals["mean"]]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    mean = {entry["method"]: entry["score"] for entry in rivals["mean"]}
+    lines += [
+        "",
+        f"To random phase: {mean['sateen'] / mean['random phase']:.2f} (must be at most 1.05); "
+        f"to paper mode: {mean['sateen'] / mean['sateen --paper']:.2f} (at most 0.70).",
+    ]
+    return lines
+
+
+def model_lines(models):
+    head = [f"order {o}" for o in ORDERS] + [f"{n} levels" for n in LEVELS]
+    lines = [
+        "", "## By model, order and levels", "",
+        "Geometric mean of the scores of the same pictures, without periodic layer; orders at 5 "
+        "levels, levels at order 6.", "",
+        "| | " + " | ".join(head) + " |", "|---|" + "--:|" * len(head),
+    ]  # fmt: skip
+    for row in models:
+        cells = [*row["by_order"].values(), *row["by_levels"].values()]
+        lines.append(f"| {row['model']} | " + " | ".join(f"{c:.2f}" for c in cells) + " |")
+    return lines
+
+
+def validity_lines(validity):
+    lines = [
+        "", "## No field is invalid", "",
+        "`validity_bench`: orders 1 to 8, levels 1 to 5, on the torus at 64, 97, 250 and 333, "
+        "and 1000 x 640 of the infinite plane; crops of 256 x 256, no periodic layer.", "",
+        "| model | textures | not finite | seams | variance off by more than 5 %: torus | plane "
+        "| worst: torus | plane |", "|---|--:|--:|--:|--:|--:|--:|--:|",
+    ]  # fmt: skip
+    for model in MODELS:
+        rows = [row for row in validity if row["model"] == model]
+        off = [row["variance_beyond_5_percent"] for row in rows]
+        worst = {
+            where: max(
+                (row["worst_variance"][where] for row in rows), key=lambda v: abs(math.log(v))
+            )
+            for where in ("torus", "plane")
+        }
+        cells = [
+            *(sum(row[key] for row in rows) for key in ("textures", "not_finite", "seams")),
+            *(sum(o[where] for o in off) for where in ("torus", "plane")),
+            f"{worst['torus']:.3f}", f"{worst['plane']:.3f}",
+        ]  # fmt: skip
+        lines.append(f"| {model} | " + " | ".join(map(str, cells)) + " |")
+    return lines
+
+
 # --- the page ---------------------------------------------------------------------------
 
 
@@ -220,11 +343,12 @@ def page(results):
         "",
         "Made by one command, after `./test` has built the preset `dev`:",
         "",
-        "    tools/make_results.py --measurement MEASUREMENT.zip",
+        "    tools/make_results.py --measurement MEASUREMENT.zip --pictures PICTURE...",
         "",
         "It runs the programs of `bench/`, keeps what they print in `bench/results.json`, and "
         "writes this page from it.",
-        "Without `--measurement` the figures of a whole measurement are left out.",
+        "Without `--measurement` the figures of a whole measurement are left out, without "
+        "`--pictures` the scores.",
         "",
         "Figures marked x are ratios of two times measured in one run, each the shortest of "
         "several, in processor time of one thread unless said. What must be reached is beside "
@@ -237,6 +361,10 @@ def page(results):
     for section in results["sections"]:
         lines += ["", f"## {section['title']}", "", *table(section["figures"])]
     lines += ["", "## Beside the papers", "", *beside_the_papers(results["sections"])]
+    if pictures := results.get("pictures"):
+        lines += rival_lines(pictures["rivals"])
+        lines += model_lines(pictures["models"])
+        lines += validity_lines(pictures["validity"])
     return "\n".join(lines) + "\n"
 
 
@@ -244,6 +372,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "dev")
     parser.add_argument("--measurement", type=pathlib.Path)
+    parser.add_argument("--pictures", type=pathlib.Path, nargs="+", default=[])
     parser.add_argument("--side", type=int, default=32768)
     parser.add_argument("--only-write", action="store_true")
     arguments = parser.parse_args()
@@ -255,6 +384,9 @@ def main():
             "build": build_facts(build),
             "sections": run_all(build, measurement, arguments.side),
         }
+        if arguments.pictures:
+            pictures = [p.resolve() for p in arguments.pictures]
+            results["pictures"] = picture_results(build, pictures)
         RESULTS.write_text(json.dumps(results, indent=1) + "\n")
     PAGE.write_text(page(json.loads(RESULTS.read_text())))
     say(f"wrote {PAGE.relative_to(ROOT)}")

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 
 #include "sateen/analysis/car2d.hpp"
@@ -210,6 +211,65 @@ TEST(Sar3d, OnAHalfPlaneEqualsTheCausalModelOnATorus) {
     ASSERT_TRUE(car);
     for (std::size_t k = 0; k < sar->A.size(); ++k)
         EXPECT_NEAR(sar->A[k], car->model.A[k], 1e-5);
+}
+
+/// Whittle's deviance, mean_t (ln |S_t| + tr S_t⁻¹ P_t), of a causal field without ln |Λ_t|,
+/// whose mean is 0:  ln |Σ| + tr Σ⁻¹ E ê êᵀ,  ê_r = Y_r - Σ_s A_s Y_{r-s} on the torus.
+double deviance(const Sar3d& model, const std::vector<reference::DoublePlane>& planes) {
+    Eigen::Matrix3d residual = Eigen::Matrix3d::Zero();
+    const auto at = [&](std::size_t plane, int r, int c) {
+        constexpr int n = static_cast<int>(kSide);
+        return planes[plane](static_cast<std::size_t>((r % n + n) % n),
+                             static_cast<std::size_t>((c % n + n) % n));
+    };
+    for (int r = 0; r < static_cast<int>(kSide); ++r)
+        for (int c = 0; c < static_cast<int>(kSide); ++c) {
+            Eigen::Vector3d e;
+            for (std::size_t i = 0; i < 3; ++i) {
+                e(static_cast<Eigen::Index>(i)) = at(i, r, c);
+                for (std::size_t s = 0; s < model.neighbourhood.size(); ++s)
+                    for (std::size_t j = 0; j < 3; ++j)
+                        e(static_cast<Eigen::Index>(i)) -=
+                            static_cast<double>(model.A[9 * s + 3 * i + j]) *
+                            at(j, r - model.neighbourhood[s].row,
+                               c - model.neighbourhood[s].col);
+            }
+            residual += e * e.transpose() / static_cast<double>(kSide * kSide);
+        }
+    const Eigen::Matrix3d Sigma =
+        Eigen::Map<const Eigen::Matrix3f>(model.Sigma.data()).cast<double>();
+    return std::log(Sigma.determinant()) + (Sigma.inverse() * residual).trace();
+}
+
+TEST(Sar3d, OnAHalfPlaneNoChangeOfAParameterRaisesTheLikelihood) {
+    auto planes = reference::drawn(correlated_field(), kSide, kSide, 9);
+    for (auto& plane : planes) {
+        double mean = 0;
+        for (const double value : plane.values) mean += value / (kSide * kSide);
+        for (double& value : plane.values) value -= mean;
+    }
+    const Image image = to_image(planes);
+    SerialExecutor executor;
+    const auto R = toroidal_cross_autocovariance(views_of(image), 4, executor);
+    ASSERT_TRUE(R);
+    const auto estimate =
+        estimate_sar3d(toroidal_joint_equations(*R, kAll, hierarchical_half_plane(2)));
+    ASSERT_TRUE(estimate);
+    const double least = deviance(*estimate, planes);
+    for (std::size_t k = 0; k < estimate->A.size(); ++k)
+        for (const float step : {-0.01F, 0.01F}) {
+            Sar3d changed = *estimate;
+            changed.A[k] += step;
+            EXPECT_GT(deviance(changed, planes), least) << "A " << k;
+        }
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j <= i; ++j)
+            for (const float factor : {0.98F, 1.02F}) {
+                Sar3d changed = *estimate;
+                changed.Sigma[3 * i + j] *= factor;
+                changed.Sigma[3 * j + i] = changed.Sigma[3 * i + j];
+                EXPECT_GT(deviance(changed, planes), least) << "Sigma " << i << j;
+            }
 }
 
 double correlation(const Autoregression3d& field) {
