@@ -284,32 +284,46 @@ Result<DirectionMesh> DirectionMesh::create(std::span<const Direction> direction
     return DirectionMeshBuilder(directions).build();
 }
 
+namespace {
+
+// The cell that d lies in, found from another, and d's coordinates s in it.
+//
 // Every step leads through the border that d is furthest beyond. On a Delaunay
 // triangulation such a walk ends; the bound and the search of all cells after it are for
 // directions on a border, which rounding may put outside either side.
-std::uint16_t DirectionMesh::walk(std::uint16_t cell,
-                                  const std::array<float, 3>& d) const {
-    for (std::size_t step = 0; step < cells_.size(); ++step) {
-        const DirectionCell& at = cells_[cell];
-        std::size_t least = 0;
-        std::array<float, 3> s{};
-        for (std::size_t k = 0; k < 3; ++k) s[k] = dot(at.row[k], d);
-        for (std::size_t k = 1; k < 3; ++k)
-            if (s[k] < s[least]) least = k;
+std::uint16_t locate(std::span<const DirectionCell> cells, std::uint16_t cell,
+                     const std::array<float, 3>& d, std::array<float, 3>& s) {
+    const auto take = [&](const DirectionCell& at) {
+        s = {dot(at.row[0], d), dot(at.row[1], d), dot(at.row[2], d)};
+    };
+    for (std::size_t step = 0; step < cells.size(); ++step) {
+        const DirectionCell& at = cells[cell];
+        take(at);
+        std::size_t least = s[1] < s[0] ? 1 : 0;
+        if (s[2] < s[least]) least = 2;
         if (s[least] >= kOutside) return cell;
         cell = at.neighbour[least];
     }
     std::uint16_t best = 0;
     float most = -std::numeric_limits<float>::infinity();
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-        const auto& row = cells_[i].row;
-        const float inside = std::min({dot(row[0], d), dot(row[1], d), dot(row[2], d)});
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        take(cells[i]);
+        const float inside = std::min({s[0], s[1], s[2]});
         if (inside > most) {
             most = inside;
             best = static_cast<std::uint16_t>(i);
         }
     }
+    take(cells[best]);
     return best;
+}
+
+}  // namespace
+
+std::uint16_t DirectionMesh::walk(std::uint16_t cell,
+                                  const std::array<float, 3>& d) const {
+    std::array<float, 3> s{};
+    return locate(cells_, cell, d, s);
 }
 
 DirectionWeights DirectionMesh::interpolate(const std::array<float, 3>& d) const {
@@ -318,20 +332,18 @@ DirectionWeights DirectionMesh::interpolate(const std::array<float, 3>& d) const
         0.5F * static_cast<float>(kStartSide) / (1 + std::max(0.0F, d[2]));
     const auto square = [&](float x) {
         const float at = x * scale + 0.5F * static_cast<float>(kStartSide);
-        return static_cast<std::size_t>(
-            std::clamp(at, 0.0F, static_cast<float>(kStartSide - 1)));
+        return static_cast<std::size_t>(static_cast<std::int32_t>(
+            std::clamp(at, 0.0F, static_cast<float>(kStartSide - 1))));
     };
+    std::array<float, 3> s{};
     const DirectionCell& cell =
-        cells_[walk(starts_[square(d[1]) * kStartSide + square(d[0])], d)];
-    DirectionWeights out{cell.vertex, {}};
-    float sum = 0;
-    for (std::size_t k = 0; k < (cell.sector ? 2U : 3U); ++k) {
-        out.weight[k] = std::max(0.0F, dot(cell.row[k], d));
-        sum += out.weight[k];
-    }
+        cells_[locate(cells_, starts_[square(d[1]) * kStartSide + square(d[0])], d, s)];
+    s[2] = cell.sector ? 0 : s[2];
+    for (float& w : s) w = std::max(0.0F, w);
+    const float sum = s[0] + s[1] + s[2];
     if (!(sum > 0)) return {cell.vertex, {1, 0, 0}};
-    for (float& w : out.weight) w /= sum;
-    return out;
+    const float whole = 1 / sum;
+    return {cell.vertex, {s[0] * whole, s[1] * whole, s[2] * whole}};
 }
 
 DirectionWeights DirectionMesh::along_chain(const std::array<float, 3>& d) const {

@@ -203,9 +203,11 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
         const std::size_t k = blend.subspace[i];
         for (std::size_t b = 0; b < 3; ++b)
             mean[b] += blend.weight[i] * moments_.mean[k][b];
-        for (std::size_t j = 0; j < blend.count; ++j)
-            variance += blend.weight[i] * blend.weight[j] *
-                        moments_.covariance[k * n + blend.subspace[j]];
+        const float* covariance = moments_.covariance.data() + k * n;
+        float half = 0.5F * blend.weight[i] * covariance[k];
+        for (std::size_t j = 0; j < i; ++j)
+            half += blend.weight[j] * covariance[blend.subspace[j]];
+        variance += 2 * blend.weight[i] * half;
     }
     fade = cosine_for(root * root * root);
     const float own = luminance(mean, bands_);
