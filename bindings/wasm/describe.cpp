@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "material/message.hpp"
+#include "sateen/material/cell_table.hpp"
 
 namespace sateen::wasm {
 namespace {
@@ -81,7 +82,18 @@ void add_index(Json& json, const Material& material) {
     json.close(']');
 }
 
-void add_subspace(Json& json, const Subspace& subspace) {
+/// The curves for what fields_only draws: straight where the planes hold a structure already.
+std::vector<Marginal> drawn_marginals(const Material& material,
+                                      const Subspace& subspace) {
+    if (!material.structure) return subspace.marginals;
+    std::vector<Marginal> straight;
+    for (const float deviation : plane_deviations(*material.structure, subspace))
+        straight.push_back({deviation, {}});
+    return straight;
+}
+
+void add_subspace(Json& json, const Material& material, const Subspace& subspace) {
+    const std::vector<Marginal> marginals = drawn_marginals(material, subspace);
     json.open('{');
     json.key("members");
     json.number(subspace.members);
@@ -97,11 +109,11 @@ void add_subspace(Json& json, const Subspace& subspace) {
     json.numbers(subspace.spectral.T);
     json.key("scale");
     json.open('[');
-    for (const Marginal& marginal : subspace.marginals) json.number(marginal.scale);
+    for (const Marginal& marginal : marginals) json.number(marginal.scale);
     json.close(']');
     json.key("knots");
     json.open('[');
-    for (const Marginal& marginal : subspace.marginals) json.numbers(marginal.knots);
+    for (const Marginal& marginal : marginals) json.numbers(marginal.knots);
     json.close(']');
     json.close('}');
 }
@@ -133,7 +145,8 @@ std::string describe(const Material& material) {
     add_index(json, material);
     json.key("subspaces");
     json.open('[');
-    for (const Subspace& subspace : material.subspaces) add_subspace(json, subspace);
+    for (const Subspace& subspace : material.subspaces)
+        add_subspace(json, material, subspace);
     json.close(']');
     json.close('}');
     return json.take();

@@ -115,6 +115,31 @@ void CellTable::fill_deviations(std::size_t plane, const PeriodicLayer& layer,
         }
 }
 
+std::vector<float> plane_deviations(const Structure& structure,
+                                    const Subspace& subspace) {
+    const CellTable table(structure.periodic, subspace.structure->cells);
+    const auto sites = static_cast<double>(table.rows() * table.cols());
+    std::vector<float> deviations;
+    for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
+        double mean = 0;
+        double squares = 0;
+        double noise = 0;
+        for (std::size_t r = 0; r < table.rows(); ++r)
+            for (std::size_t c = 0; c < table.cols(); ++c) {
+                const auto m = static_cast<double>(table.site(r, c)[plane]);
+                const auto s =
+                    static_cast<double>(table.site(r, c)[CellTable::kPlanes + plane]);
+                mean += m / sites;
+                squares += m * m / sites;
+                noise += s * s / sites;
+            }
+        const auto scale = static_cast<double>(subspace.marginals[plane].scale);
+        const double variance = squares - mean * mean + noise * scale * scale;
+        deviations.push_back(static_cast<float>(std::sqrt(std::max(0.0, variance))));
+    }
+    return deviations;
+}
+
 float apply(const ToneCurve& curve, float x) {
     if (curve.values.empty()) return x;
     if (x <= curve.low) return curve.values.front() + (x - curve.low);

@@ -230,6 +230,15 @@ class RecursivePlanes {
     std::vector<RecursiveField> fields_;
 };
 
+/// A plane that is constant stays as it is.
+void divide(ImageView<float> planes, const std::vector<float>& deviations) {
+    for (std::size_t plane = 0; plane < planes.bands; ++plane) {
+        const float factor = deviations[plane] > 0 ? 1 / deviations[plane] : 0;
+        const PlaneView<float> view = planes.plane(plane);
+        for (std::size_t i = 0; i < view.size(); ++i) view.data[i] *= factor;
+    }
+}
+
 /// From fields to reflectance, unless the caller wants the fields: the periodic layer, where
 /// the material has one, then marginal curves, spectral transform and tone.
 class Finish {
@@ -239,7 +248,7 @@ class Finish {
                                  Executor& executor) {
         Finish finish;
         finish.fields_only_ = options.fields_only;
-        if (!material.structure || options.fields_only) return finish;
+        if (!material.structure) return finish;
         finish.structure_ = &*material.structure;
         SATEEN_TRY(finish.phase_, PeriodicPhase::create(material.structure->periodic,
                                                         options.seed, period, executor));
@@ -247,12 +256,15 @@ class Finish {
     }
     void operator()(const Subspace& subspace, std::int32_t row, std::int32_t col,
                     ImageView<float> planes, Executor& executor) const {
-        if (fields_only_) return;
         if (!phase_) {
-            invert_spectral(subspace, planes, executor);
+            if (!fields_only_) invert_spectral(subspace, planes, executor);
             return;
         }
         apply_periodic_layer(*structure_, subspace, *phase_, row, col, planes, executor);
+        if (fields_only_) {
+            divide(planes, plane_deviations(*structure_, subspace));
+            return;
+        }
         Subspace coloured;
         coloured.spectral = subspace.spectral;
         coloured.marginals.assign(planes.bands, Marginal{1, {}});

@@ -23,6 +23,32 @@ Material structured(std::size_t subspaces = 1) {
     return m;
 }
 
+TEST(PeriodicLayer, OfFieldsOnlyIsInUnitsOfItsDeviation) {
+    Material m = structured();
+    for (auto& cell : m.subspaces[0].structure->cells) cell.curve = {};
+    m.subspaces[0].marginals.assign(3, {0.1F, {}});
+    SerialExecutor executor;
+    Progress progress;
+    SynthesisOptions options;
+    options.rows = options.cols = 256;
+    options.tileable = true;
+    options.fields_only = true;
+    const auto fields = synthesise(m, 0, options, executor, progress);
+    ASSERT_TRUE(fields);
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+        double sum = 0;
+        double squares = 0;
+        const PlaneView<const float> view = fields->plane(plane);
+        for (std::size_t i = 0; i < view.size(); ++i) {
+            sum += static_cast<double>(view.data[i]) / static_cast<double>(view.size());
+            squares += static_cast<double>(view.data[i]) *
+                       static_cast<double>(view.data[i]) /
+                       static_cast<double>(view.size());
+        }
+        EXPECT_NEAR(squares - sum * sum, 1, 0.1) << plane;
+    }
+}
+
 /// One harmonic of each kind, by the formula of docs/format.md.
 TEST(CellTable, IsTheFourierSeriesOfTheFormat) {
     PeriodicLayer layer;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "sateen/material/material.hpp"
 #include "sateen/material/structure.hpp"
 
 namespace sateen {
@@ -100,6 +101,11 @@ class CellTable {
     std::size_t cols_;
     std::vector<float> values_;
 };
+
+/// The deviation of m(u) + s(u) q(g), u uniform, of every plane of a subspace of a material
+/// with a structure: what its pattern and its residual have together.
+[[nodiscard]] std::vector<float> plane_deviations(const Structure& structure,
+                                                  const Subspace& subspace);
 
 /// c(x)
 [[nodiscard]] float apply(const ToneCurve& curve, float x);

@@ -30,8 +30,8 @@ struct SynthesisOptions {
     bool tileable = false;
     /// Draw by causal recursion where the fields allow it, as paper-mode materials do.
     bool recursive = false;
-    /// Leave out the appearance: standard normal fields, one a plane, for a renderer that
-    /// applies marginal curves and spectral transform itself.
+    /// Leave out curves, spectral transform and tone, for a renderer that applies them: fields
+    /// of variance 1; planes in units of plane_deviations() where there is a structure.
     bool fields_only = false;
     std::uint64_t seed = 0;
 };
