@@ -4,7 +4,7 @@
 # What the program needs to be built.
 BUILD_PACKAGES="g++ cmake ninja-build pkg-config libhwy-dev libflatbuffers-dev
     flatbuffers-compiler zlib1g-dev libtbb-dev libeigen3-dev libjpeg62-turbo-dev libpng-dev
-    libopenexr-dev libtiff-dev libzip-dev libembree-dev libcli11-dev libfmt-dev
+    libopenexr-dev libtiff-dev libzip-dev libembree-dev libtinyobjloader-dev libcli11-dev libfmt-dev
     nlohmann-json3-dev"
 # What the tests need besides.
 TEST_PACKAGES="libgtest-dev libgmock-dev libfftw3-dev librandom123-dev python3"

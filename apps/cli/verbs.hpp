@@ -21,5 +21,6 @@ struct Verb {
 [[nodiscard]] Verb add_info(CLI::App& program);
 [[nodiscard]] Verb add_compare(CLI::App& program);
 [[nodiscard]] Verb add_measure(CLI::App& program);
+[[nodiscard]] Verb add_render(CLI::App& program);
 
 }  // namespace sateen::cli
