@@ -17,6 +17,9 @@ namespace {
 /// [GMRF] repaired: the denominator 1 - 2 Σ a_s cos ω·s is at least this everywhere.
 constexpr double kPaperDenominator = 0.02;
 
+/// Levels of 32 x 32 sites and fewer are compared on a grid of 32.
+constexpr double kSmallLevel = 32 * 32;
+
 Result<Car2d> fit_car2d(const Autocovariance& R, const NeighbourhoodOptions& options) {
     SATEEN_TRY(auto neighbourhood, select_neighbourhood(R, options));
     SATEEN_TRY(Car2dEstimate estimate,
@@ -49,18 +52,18 @@ double information_of(const Model& model, const Autocovariance& R, int grid = 12
 // takes ten times as long.
 Result<FieldModel> fit_best(const Autocovariance& R, const NeighbourhoodOptions& options,
                             FieldChoice& choice) {
-    constexpr Gmrf2dOptions kComparing{.first_grid = 64, .last_grid = 64};
+    const int grid = R.sites() > kSmallLevel ? 64 : 32;
     SATEEN_TRY(Car2d car, fit_car2d(R, options));
     SATEEN_TRY(const NaturalGmrf2d field,
-               maximise_likelihood(R, car.neighbourhood, kComparing));
+               maximise_likelihood(R, car.neighbourhood, {grid, grid}));
     const double of_car = information_of(car, R);
-    double of_gmrf = information_of(field, R, kComparing.last_grid);
+    double of_gmrf = information_of(field, R, grid);
     if (!(of_gmrf < of_car)) {
         choice.add({1, 0, 0, of_car, of_gmrf, of_car, 0});
         return FieldModel(std::move(car));
     }
     SATEEN_TRY(const NaturalGmrf2d refined,
-               maximise_likelihood(R, car.neighbourhood, {}, &field));
+               maximise_likelihood(R, car.neighbourhood, {2 * grid, 2 * grid}, &field));
     Gmrf2d gmrf = to_material(refined, R.variance());
     // As stored it may be another: shrunk where its spectrum nearly had a pole.
     of_gmrf = information_of(gmrf, R);

@@ -101,7 +101,7 @@ double LagTransform::mean(const RowMatrix& S) const {
 // A logarithm takes as long as twenty multiplications, so it is taken of products, of few
 // enough factors to stay in range. Column 0, and the last of an even torus, count once.
 double LagTransform::mean_log(const RowMatrix& S) const {
-    constexpr Index kFactors = 8;
+    constexpr Index kFactors = 16;
     if (!(S.minCoeff() > 0)) return std::nan("");
     double sum = 0;
     for (Index m = 0; m < S.rows(); ++m) {

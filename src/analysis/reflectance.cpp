@@ -29,29 +29,41 @@ Sums sum_block(const std::array<const float*, 3>& band, std::size_t count) {
     constexpr float kRed = kBands == 1 ? 1.0F : static_cast<float>(kLuminance[0]);
     constexpr auto kGreen = static_cast<float>(kLuminance[1]);
     constexpr auto kBlue = static_cast<float>(kLuminance[2]);
-    // Lanes of their own, so that the compiler may use vectors.
+    // Lanes of their own, each sum in a loop of its own: so the compiler uses vectors.
     constexpr std::size_t kLanes = 8;
-    std::array<std::array<float, kLanes>, 5> lanes = {};
-    const auto add = [&](std::size_t i, std::size_t lane) {
-        float luminance = kRed * band[0][i];
-        lanes[0][lane] += band[0][i];
-        if constexpr (kBands > 1) {
-            luminance += kGreen * band[1][i] + kBlue * band[2][i];
-            lanes[1][lane] += band[1][i];
-            lanes[2][lane] += band[2][i];
-        }
-        lanes[3][lane] += luminance;
-        lanes[4][lane] += luminance * luminance;
+    using Lanes = std::array<float, kLanes>;
+    std::array<Lanes, kBands> values = {};
+    Lanes luminances = {};
+    Lanes squares = {};
+    const auto add = [&](const std::array<const float*, 3>& at) {
+        Lanes luminance = {};
+        for (std::size_t k = 0; k < kLanes; ++k) luminance[k] = kRed * at[0][k];
+        if constexpr (kBands > 1)
+            for (std::size_t k = 0; k < kLanes; ++k)
+                luminance[k] += kGreen * at[1][k] + kBlue * at[2][k];
+        for (std::size_t b = 0; b < kBands; ++b)
+            for (std::size_t k = 0; k < kLanes; ++k) values[b][k] += at[b][k];
+        for (std::size_t k = 0; k < kLanes; ++k) luminances[k] += luminance[k];
+        for (std::size_t k = 0; k < kLanes; ++k)
+            squares[k] += luminance[k] * luminance[k];
     };
+    std::array<const float*, 3> at = band;
     std::size_t i = 0;
-    for (; i + kLanes <= count; i += kLanes)
-        for (std::size_t lane = 0; lane < kLanes; ++lane) add(i + lane, lane);
-    for (; i < count; ++i) add(i, 0);
+    for (; i + kLanes <= count; i += kLanes) {
+        add(at);
+        for (std::size_t b = 0; b < kBands; ++b) at[b] += kLanes;
+    }
+    std::array<Lanes, kBands> rest = {};
+    for (std::size_t b = 0; b < kBands; ++b) {
+        std::copy_n(at[b], count - i, rest[b].begin());
+        at[b] = rest[b].data();
+    }
+    add(at);
     Sums sums;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        for (std::size_t b = 0; b < 3; ++b) sums.values[b] += lanes[b][lane];
-        sums.luminance += lanes[3][lane];
-        sums.squares += lanes[4][lane];
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        for (std::size_t b = 0; b < kBands; ++b) sums.values[b] += values[b][k];
+        sums.luminance += luminances[k];
+        sums.squares += squares[k];
     }
     return sums;
 }

@@ -55,7 +55,7 @@ Summary summarise(ImageView<const float> image, bool oriented) {
     while (image.plane_size() > kCounted * step * step) ++step;
     const Image thin = thinned(image, step);
     Summary summary;
-    summary.moments = image_moments(image);
+    summary.moments = image_moments(thin.view());
     if (!oriented) {
         summary.colour = colour_histogram(thin.view());
         return summary;
