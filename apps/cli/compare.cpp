@@ -64,9 +64,12 @@ Result<Findings> compare_material(const std::string& material_path,
                compare_subspaces(material, material_path, *measurement,
                                  arguments.common.seed, executor, progress));
     if (!material.index.empty() && measurement->info().has_directions()) {
-        SATEEN_TRY(findings.directions,
-                   compare_directions(material, *measurement, arguments.directions,
-                                      executor, progress));
+        Result<DirectionComparison> directions = compare_directions(
+            material, *measurement, arguments.directions, executor, progress);
+        // Scattered sets of very many directions have no table of all pairs.
+        if (!directions && directions.error().code != Errc::limit_exceeded)
+            return std::move(directions).error();
+        if (directions) findings.directions = std::move(*directions);
     }
     return findings;
 }

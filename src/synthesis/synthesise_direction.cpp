@@ -81,9 +81,14 @@ Result<Image> draw(const Material& material, const Blend& blend,
 
 Result<Blend> blend_of(const Material& material, Direction view, Direction light,
                        const InterpolationOptions& options, Executor& executor) {
-    if (material.index.empty()) {
+    // Photographs, and scattered sets whose table of all pairs would be too large.
+    const std::size_t most = std::max(material.views.size(), material.lights.size());
+    if (material.index.empty() || most > DirectionMesh::kMaxSize ||
+        material.views.size() * material.lights.size() > kMaxPairs) {
         Blend blend;
         blend.count = 1;
+        blend.subspace[0] =
+            static_cast<std::uint8_t>(nearest_subspace(material, view, light));
         blend.weight[0] = 1;
         blend.gain = {1, 1, 1};
         return blend;

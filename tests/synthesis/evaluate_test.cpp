@@ -10,6 +10,7 @@
 #include <random>
 
 #include "sateen/synthesis/synthesise.hpp"
+#include "sateen/synthesis/synthesise_direction.hpp"
 #include "support/directions.hpp"
 #include "support/materials.hpp"
 
@@ -322,6 +323,50 @@ TEST(Evaluate, MarchingFindsThePointUnderTheRay) {
     const float top = 4.5F / 64;
     EXPECT_NEAR(marched.sample(c, top - 1.0F / 64, 0.3F)[0], flat.sample(d, top, 0.3F)[0],
                 0.01);
+}
+
+TEST(SynthesiseDirection, ScatteredSetsOfVeryManyPairsHaveTheNearest) {
+    Material m = two_subspaces(0.05F);
+    m.views.clear();
+    m.index.clear();
+    for (std::size_t i = 0; i < 1200; ++i) {
+        const auto t = static_cast<float>(i);
+        m.views.push_back(direction_from_degrees(0.06F * t, 7 * std::fmod(t, 50.0F)));
+        m.index.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(i),
+                           static_cast<std::uint8_t>(i % 2)});
+    }
+    m.lights = m.views;
+    SerialExecutor executor;
+    for (const std::size_t i : {0U, 77U, 1001U}) {
+        const auto blend = blend_of(m, m.views[i], m.lights[i], {}, executor);
+        ASSERT_TRUE(blend) << blend.error().message;
+        EXPECT_EQ(blend->count, 1U);
+        EXPECT_EQ(blend->subspace[0], i % 2);
+    }
+}
+
+TEST(SynthesiseDirection, WindowsOfABlendAgreeWithTheEvaluator) {
+    Material m = two_subspaces(0.05F);
+    m.reflectance = lambertian(m, 0.6F, 0.1F);
+    SerialExecutor executor;
+    Progress progress;
+    const auto blend = blend_of(m, direction_from_degrees(20, 10),
+                                direction_from_degrees(37, 7), {}, executor);
+    ASSERT_TRUE(blend);
+    EXPECT_EQ(blend->count, 2U);
+    SynthesisOptions options;
+    options.rows = options.cols = 96;
+    double sum = 0;
+    const auto drawn = synthesise(
+        m, *blend, options,
+        [&](std::size_t, ImageView<const float> strip) -> Result<void> {
+            for (std::size_t i = 0; i < strip.size(); ++i)
+                sum += static_cast<double>(strip.data[i]);
+            return {};
+        },
+        executor, progress);
+    ASSERT_TRUE(drawn) << drawn.error().message;
+    EXPECT_NEAR(sum / (96 * 96), 0.6 * std::cos(37 * std::numbers::pi / 180), 0.02);
 }
 
 TEST(Evaluate, RefusesSidesOutOfRange) {

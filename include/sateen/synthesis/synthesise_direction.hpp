@@ -14,7 +14,8 @@
 
 namespace sateen {
 
-/// What a view and a light see of a material, from moments of small textures.
+/// What a view and a light see of a material, from moments of small textures. Of more than
+/// kMaxPairs pairs of directions the nearest measured one alone.
 /// \cost drawing 128 x 128 pixels of every subspace where the material has a reflectance
 [[nodiscard]] Result<Blend> blend_of(const Material& material, Direction view,
                                      Direction light, const InterpolationOptions& options,
