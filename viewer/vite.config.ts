@@ -10,5 +10,6 @@ export default defineConfig({
     modulePreload: false,
     rollupOptions: { output: { inlineDynamicImports: true } },
   },
-  worker: { format: 'es' },
+  // From a disk, browsers start only classic workers out of memory.
+  worker: { format: 'iife' },
 });

@@ -52,7 +52,8 @@ int run(int argc, char** argv) {
     const std::vector<sateen::cli::Verb> verbs = {
         sateen::cli::add_model(program),   sateen::cli::add_synthesise(program),
         sateen::cli::add_info(program),    sateen::cli::add_compare(program),
-        sateen::cli::add_measure(program), sateen::cli::add_render(program)};
+        sateen::cli::add_measure(program), sateen::cli::add_render(program),
+        sateen::cli::add_export(program),  sateen::cli::add_view(program)};
     for (const sateen::cli::Verb& verb : verbs) verb.command->group("Verbs");
     const std::string first = argc < 2 ? "" : argv[1];
     if (!first.starts_with('-') && !known_verb(verbs, first))

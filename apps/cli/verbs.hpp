@@ -22,5 +22,7 @@ struct Verb {
 [[nodiscard]] Verb add_compare(CLI::App& program);
 [[nodiscard]] Verb add_measure(CLI::App& program);
 [[nodiscard]] Verb add_render(CLI::App& program);
+[[nodiscard]] Verb add_export(CLI::App& program);
+[[nodiscard]] Verb add_view(CLI::App& program);
 
 }  // namespace sateen::cli

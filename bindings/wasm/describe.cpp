@@ -2,13 +2,17 @@
 // A material as JSON. See describe.hpp.
 #include "describe.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstring>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "material/message.hpp"
+#include "sateen/core/direction_mesh.hpp"
 #include "sateen/material/cell_table.hpp"
 
 namespace sateen::wasm {
@@ -118,6 +122,24 @@ void add_subspace(Json& json, const Material& material, const Subspace& subspace
     json.close('}');
 }
 
+/// The direction nearest to the middle of every square, as DirectionMesh::starts() lays them out.
+void append_nearest(const DirectionMesh& mesh, std::vector<std::uint32_t>& words) {
+    constexpr auto n = DirectionMesh::kStartSide;
+    const auto middle = [](std::size_t i) {
+        return (2 * static_cast<float>(i) + 1) / static_cast<float>(n) - 1;
+    };
+    for (std::size_t r = 0; r < n; ++r)
+        for (std::size_t c = 0; c < n; ++c) {
+            const float x = middle(c);
+            const float y = middle(r);
+            const float square = x * x + y * y;
+            const float scale = 1 / (1 + square);
+            const std::array<float, 3> d = {2 * x * scale, 2 * y * scale,
+                                            std::max(0.0F, (1 - square) * scale)};
+            words.push_back(mesh.nearest(d));
+        }
+}
+
 }  // namespace
 
 std::string describe(const Material& material) {
@@ -148,8 +170,66 @@ std::string describe(const Material& material) {
     for (const Subspace& subspace : material.subspaces)
         add_subspace(json, material, subspace);
     json.close(']');
+    json.key("structured");
+    json.literal(material.structure ? "true" : "false");
+    json.key("surface");
+    if (material.surface) {
+        json.open('{');
+        json.key("rows");
+        json.number(material.surface->rows);
+        json.key("cols");
+        json.number(material.surface->cols);
+        json.key("delit");
+        json.literal(material.surface->delit ? "true" : "false");
+        json.close('}');
+    } else {
+        json.literal("null");
+    }
     json.close('}');
     return json.take();
+}
+
+std::vector<std::uint32_t> packed_cells(std::span<const Direction> directions) {
+    std::vector<std::uint32_t> words;
+    const Result<DirectionMesh> mesh = DirectionMesh::create(directions);
+    if (!mesh) return words;
+    constexpr std::uint32_t kSector = 1U << 15U;
+    const auto append = [&](const std::array<float, 3>& row, std::uint32_t vertex,
+                            std::uint32_t neighbour) {
+        for (const float x : row) {
+            std::uint32_t bits = 0;
+            std::memcpy(&bits, &x, sizeof bits);
+            words.push_back(bits);
+        }
+        words.push_back(vertex | neighbour << 16U);
+    };
+    const std::span<const DirectionCell> cells = mesh->cells();
+    if (cells.empty()) {
+        words.push_back(static_cast<std::uint32_t>(directions.size()));
+        append_nearest(*mesh, words);
+        for (std::uint32_t i = 0; i < directions.size(); ++i)
+            for (int k = 0; k < 3; ++k) append({0, 0, 1}, i, i);
+        return words;
+    }
+    words.push_back(static_cast<std::uint32_t>(cells.size()));
+    words.insert(words.end(), mesh->starts().begin(), mesh->starts().end());
+    for (const DirectionCell& cell : cells)
+        for (std::size_t k = 0; k < 3; ++k)
+            append(cell.row[k], cell.vertex[k] | (k == 2 && cell.sector ? kSector : 0U),
+                   cell.neighbour[k]);
+    return words;
+}
+
+std::vector<float> appearance_of_pairs(const Material& material) {
+    std::vector<float> out;
+    if (!material.reflectance) return out;
+    for (std::size_t light = 0; light < material.lights.size(); ++light)
+        for (std::size_t view = 0; view < material.views.size(); ++view) {
+            const EncodedAppearance e =
+                encoded_appearance(*material.reflectance, view, light);
+            out.insert(out.end(), e.begin(), e.end());
+        }
+    return out;
 }
 
 }  // namespace sateen::wasm

@@ -14,6 +14,7 @@
 
 #include "describe.hpp"
 #include "sateen/material/file.hpp"
+#include "sateen/synthesis/surface.hpp"
 #include "sateen/synthesis/synthesise.hpp"
 
 #define SATEEN_EXPORT(name) \
@@ -39,10 +40,13 @@ std::string& last_error() {
     return message;
 }
 
-/// A material and its description, which JavaScript reads in place.
+/// A material and what JavaScript reads of it in place.
 struct Loaded {
     Material material;
     std::string description;
+    std::vector<std::uint32_t> view_cells;   ///< packed_cells() of the views
+    std::vector<std::uint32_t> light_cells;  ///< and of the lights
+    std::vector<float> appearance;  ///< e of every pair, (lights, views, 4); or none
 };
 
 bool succeeded(const Result<void>& result) {
@@ -69,6 +73,20 @@ Result<void> draw(const Material& material, std::vector<std::size_t> subspaces,
         executor, progress);
 }
 
+Result<void> draw_range_of(const Material& material, std::uint32_t rows,
+                           std::uint32_t cols, std::uint64_t seed) {
+    if (!material.surface)
+        return Error{Errc::invalid_argument, "the material has no surface"};
+    if (rows > kMaxSide || cols > kMaxSide)
+        return Error{
+            Errc::limit_exceeded,
+            "a range map of more than " + std::to_string(kMaxSide) + " pixels a side"};
+    SATEEN_TRY(const sateen::ToroidalRange range,
+               sateen::draw_toroidal_range(*material.surface, rows, cols, seed));
+    (void)sateen_take(0, range.height_px.view().data);
+    return {};
+}
+
 }  // namespace
 
 SATEEN_EXPORT(sateen_allocate) void* sateen_allocate(std::size_t bytes) {
@@ -93,8 +111,12 @@ Loaded* sateen_load(const std::uint8_t* payload, std::size_t bytes) {
         return nullptr;
     }
     last_error().clear();
-    std::string description = sateen::wasm::describe(*material);
-    return new Loaded{std::move(*material), std::move(description)};
+    auto* loaded = new Loaded{std::move(*material), {}, {}, {}, {}};
+    loaded->description = sateen::wasm::describe(loaded->material);
+    loaded->view_cells = sateen::wasm::packed_cells(loaded->material.views);
+    loaded->light_cells = sateen::wasm::packed_cells(loaded->material.lights);
+    loaded->appearance = sateen::wasm::appearance_of_pairs(loaded->material);
+    return loaded;
 }
 
 SATEEN_EXPORT(sateen_unload) void sateen_unload(Loaded* loaded) {
@@ -104,6 +126,25 @@ SATEEN_EXPORT(sateen_unload) void sateen_unload(Loaded* loaded) {
 /// JSON, as bindings/wasm/describe.hpp says.
 SATEEN_EXPORT(sateen_describe) const char* sateen_describe(const Loaded* loaded) {
     return loaded->description.c_str();
+}
+
+/// The cells of the views (0) or lights (1) in 32-bit words: see wasm::packed_cells().
+SATEEN_EXPORT(sateen_cells)
+const std::uint32_t* sateen_cells(const Loaded* loaded, std::uint32_t lights) {
+    return (lights != 0 ? loaded->light_cells : loaded->view_cells).data();
+}
+
+/// Encoded appearance of every pair, (lights, views, 4), or null without a reflectance.
+SATEEN_EXPORT(sateen_appearance) const float* sateen_appearance(const Loaded* loaded) {
+    return loaded->appearance.empty() ? nullptr : loaded->appearance.data();
+}
+
+/// The range map in pixels, toroidal: one call of `take` with (1, rows, cols) as subspace 0.
+SATEEN_EXPORT(sateen_draw_range)
+bool sateen_draw_range(const Loaded* loaded, std::uint32_t rows, std::uint32_t cols,
+                       std::uint32_t seed_low, std::uint32_t seed_high) {
+    return succeeded(draw_range_of(loaded->material, rows, cols,
+                                   (std::uint64_t{seed_high} << 32U) | seed_low));
 }
 
 /// The subspace of the measured pair nearest to two directions in radians.

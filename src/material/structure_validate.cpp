@@ -60,7 +60,7 @@ Result<void> check_curve(const ToneCurve& curve) {
         return bad_format("curve: from ", text(curve.low), " to ", text(curve.high),
                           ", expected it to rise");
     SATEEN_CHECK(check_numbers("curve", curve.values));
-    const auto fall = std::ranges::is_sorted_until(curve.values);
+    const auto fall = std::is_sorted_until(curve.values.begin(), curve.values.end());
     if (fall != curve.values.end())
         return bad_format("curve: ", text(*fall), " after ", text(*std::prev(fall)),
                           ", expected no descent");

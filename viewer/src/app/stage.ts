@@ -82,10 +82,9 @@ export class Stage {
     this.draw();
   }
 
-  /** From where the object fills the smaller side of the picture. */
+  /** From where the object fills the smaller side of the picture, which spans 30 degrees. */
   private distance(): number {
-    const fit = { sphere: 4.7, plane: 5.6, cloth: 5.4, knot: 5.2, own: 5.0 }[this.shape];
-    return fit / Math.min(1, 0.55 + 0.45 * this.camera.aspect);
+    return { sphere: 4.9, plane: 6.0, cloth: 6.2, knot: 5.4, own: 5.4 }[this.shape];
   }
 
   /** Direction to the lamp: theta from the viewer, phi counter-clockwise from the right. */
@@ -168,6 +167,8 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
+    const half = Math.tan(Math.PI / 12) / Math.min(1, this.camera.aspect);
+    this.camera.fov = (Math.atan(half) * 360) / Math.PI;
     this.camera.updateProjectionMatrix();
     this.drawNow();
   }

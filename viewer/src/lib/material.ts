@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A material in the browser: loaded from an address or bytes, drawn in a worker.
 import { unpack } from './payload';
-import { type Description, type DrawOptions, SateenError } from './runtime';
+import { type DrawOptions, type MaterialData, SateenError } from './runtime';
 import type { Reply, Request } from './worker';
 import SateenWorker from './worker?worker&inline';
 import wasmBase64 from './wasm';
@@ -31,7 +31,7 @@ export class Material {
 
   private constructor(
     private readonly payload: Uint8Array,
-    readonly description: Description,
+    readonly description: MaterialData,
     /** Size of the file. */
     readonly bytes: number,
     worker: Worker,
@@ -48,26 +48,41 @@ export class Material {
   /** Draws toroidal textures one after the other, off the main thread. One call at a time. */
   async draw(options: DrawProgress): Promise<void> {
     const { onTexture, onProgress, signal, ...rest } = options;
-    signal?.throwIfAborted();
-    this.worker ??= (await start(this.payload)).worker;
-    const worker = this.worker;
     const total = rest.subspaces?.length ?? this.description.subspaces.length;
     let done = 0;
-    const stop = (): void => this.dispose();
+    await this.ask({ kind: 'draw', options: rest }, (subspace, texture) => {
+      onTexture?.(subspace, texture);
+      onProgress?.(++done / total);
+    }, signal);
+  }
+
+  /** Draws the range map as a torus: heights in pixels, (rows, cols). */
+  async drawRange(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Float32Array> {
+    let heights: Float32Array = new Float32Array();
+    await this.ask({ kind: 'range', rows, cols, seed }, (_, texture) => (heights = texture), signal);
+    return heights;
+  }
+
+  private async ask(
+    request: Request, take: (subspace: number, texture: Float32Array) => void, signal?: AbortSignal,
+  ): Promise<void> {
+    signal?.throwIfAborted();
+    const worker = (this.worker ??= (await start(this.payload)).worker);
+    const { promise, resolve, reject } = deferred();
+    const stop = (): void => {
+      this.dispose();
+      reject(signal!.reason);
+    };
     signal?.addEventListener('abort', stop, { once: true });
+    worker.onmessage = ({ data }: MessageEvent<Reply>) => {
+      if (data.kind === 'texture') take(data.subspace, data.texture);
+      else if (data.kind === 'drawn') resolve();
+      else if (data.kind === 'failed') reject(new SateenError(data.message));
+    };
+    worker.onerror = (event) => reject(new SateenError(event.message || 'the worker failed'));
+    worker.postMessage(request);
     try {
-      await new Promise<void>((resolve, reject) => {
-        signal?.addEventListener('abort', () => reject(signal.reason), { once: true });
-        worker.onmessage = ({ data }: MessageEvent<Reply>) => {
-          if (data.kind === 'texture') {
-            onTexture?.(data.subspace, data.texture);
-            onProgress?.(++done / total);
-          } else if (data.kind === 'drawn') resolve();
-          else if (data.kind === 'failed') reject(new SateenError(data.message));
-        };
-        worker.onerror = (event) => reject(new SateenError(event.message));
-        worker.postMessage({ kind: 'draw', options: rest } satisfies Request);
-      });
+      await promise;
     } finally {
       signal?.removeEventListener('abort', stop);
     }
@@ -80,11 +95,23 @@ export class Material {
   }
 }
 
-async function start(payload: Uint8Array): Promise<{ worker: Worker; description: Description }> {
+interface Deferred {
+  promise: Promise<void>;
+  resolve: () => void;
+  reject: (reason: unknown) => void;
+}
+
+function deferred(): Deferred {
+  const parts = {} as Deferred;
+  parts.promise = new Promise((resolve, reject) => Object.assign(parts, { resolve, reject }));
+  return parts;
+}
+
+async function start(payload: Uint8Array): Promise<{ worker: Worker; description: MaterialData }> {
   const module = await runtimeModule();
   const worker = new SateenWorker();
   try {
-    const description = await new Promise<Description>((resolve, reject) => {
+    const description = await new Promise<MaterialData>((resolve, reject) => {
       worker.onmessage = ({ data }: MessageEvent<Reply>) => {
         if (data.kind === 'loaded') resolve(data.description);
         else if (data.kind === 'failed') reject(new SateenError(data.message));

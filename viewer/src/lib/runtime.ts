@@ -32,7 +32,23 @@ export interface Description {
   /** Subspace of each pair, lights outermost; -1 where none was measured. */
   index: number[];
   subspaces: SubspaceDescription[];
+  /** Whether textures are more than curves of Gaussian fields. */
+  structured: boolean;
+  /** A tile of the range map. */
+  surface: { rows: number; cols: number; delit: boolean } | null;
 }
+
+/** A description with what a shader interpolates by. */
+export interface MaterialData extends Description {
+  /** Triangulated directions: packed_cells() of bindings/wasm/describe.hpp. */
+  viewCells: Uint32Array;
+  lightCells: Uint32Array;
+  /** e of every pair, (lights, views, 4): material/reflectance.hpp. */
+  appearance: Float32Array | null;
+}
+
+/** Squares along the map of cells to start from. */
+export const START_SIDE = 64;
 
 /** What to draw: a torus of every subspace. */
 export interface DrawOptions {
@@ -57,6 +73,9 @@ interface Exports {
   sateen_load(payload: number, bytes: number): number;
   sateen_unload(loaded: number): void;
   sateen_describe(loaded: number): number;
+  sateen_cells(loaded: number, lights: number): number;
+  sateen_appearance(loaded: number): number;
+  sateen_draw_range(loaded: number, rows: number, cols: number, seedLow: number, seedHigh: number): number;
   sateen_nearest_subspace(
     loaded: number, viewTheta: number, viewPhi: number, lightTheta: number, lightPhi: number): number;
   sateen_draw(
@@ -67,6 +86,11 @@ interface Exports {
 /** A failure of the runtime, with its message for the user. */
 export class SateenError extends Error {
   override name = 'SateenError';
+}
+
+/** JavaScript gives a module no whole 64 bits. */
+function halves(seed: bigint): [number, number] {
+  return [Number(seed & 0xffffffffn), Number((seed >> 32n) & 0xffffffffn)];
 }
 
 export class Runtime {
@@ -98,8 +122,36 @@ export class Runtime {
     const handle = this.exports.sateen_load(at, payload.length);
     this.exports.sateen_release(at);
     if (handle === 0) throw this.failure();
-    const text = this.text(this.exports.sateen_describe(handle));
-    return new LoadedMaterial(this, handle, JSON.parse(text) as Description);
+    const description = JSON.parse(this.text(this.exports.sateen_describe(handle))) as Description;
+    const { memory, sateen_appearance } = this.exports;
+    const pairs = description.views.length * description.lights.length;
+    const table = sateen_appearance(handle);
+    return new LoadedMaterial(this, handle, {
+      ...description,
+      viewCells: this.cells(handle, 0, description.views.length),
+      lightCells: this.cells(handle, 1, description.lights.length),
+      appearance: table === 0 ? null : new Float32Array(memory.buffer, table, 4 * pairs).slice(),
+    });
+  }
+
+  private cells(handle: number, which: number, directions: number): Uint32Array {
+    if (directions === 0) return new Uint32Array();
+    const at = this.exports.sateen_cells(handle, which);
+    if (at === 0) throw new SateenError('directions that cannot be triangulated');
+    const { buffer } = this.exports.memory;
+    const count = new Uint32Array(buffer, at, 1)[0]!;
+    return new Uint32Array(buffer, at, 1 + START_SIDE * START_SIDE + 12 * count).slice();
+  }
+
+  /** @internal */
+  drawRange(handle: number, rows: number, cols: number, seed: bigint): Float32Array {
+    let heights: Float32Array = new Float32Array();
+    this.take = (_, texture) => {
+      heights = texture;
+    };
+    this.textureLength = rows * cols;
+    if (!this.exports.sateen_draw_range(handle, rows, cols, ...halves(seed))) throw this.failure();
+    return heights;
   }
 
   /** @internal */
@@ -123,8 +175,7 @@ export class Runtime {
       new Uint32Array(this.exports.memory.buffer, list, subspaces.length).set(subspaces);
     }
     const drawn = this.exports.sateen_draw(
-      handle, list, subspaces?.length ?? 0, rows, cols, Number(seed & 0xffffffffn),
-      Number((seed >> 32n) & 0xffffffffn), fieldsOnly ? 1 : 0);
+      handle, list, subspaces?.length ?? 0, rows, cols, ...halves(seed), fieldsOnly ? 1 : 0);
     if (list !== 0) this.exports.sateen_release(list);
     if (!drawn) throw this.failure();
   }
@@ -149,8 +200,13 @@ export class LoadedMaterial {
   constructor(
     private readonly runtime: Runtime,
     private readonly handle: number,
-    readonly description: Description,
+    readonly description: MaterialData,
   ) {}
+
+  /** Heights of the range map in pixels, a torus of (rows, cols). */
+  drawRange(rows: number, cols: number, seed = 0n): Float32Array {
+    return this.runtime.drawRange(this.handle, rows, cols, seed);
+  }
 
   /** Draws one texture after the other and gives each to `take`. */
   draw(options: DrawOptions, take: TakeTexture): void {

@@ -19,10 +19,9 @@ precision highp usampler2D;
 uniform sampler2DArray fields;  // layer k: g of every plane, toroidal, (g + G) / 2G
 uniform sampler2D curves;       // rows (k, level): q(g) of every plane
 uniform sampler2D planes;       // column k: rows of T, then mean, then s² of each level
-uniform usampler2D viewMap;     // triangle of measured views, by direction_cell
-uniform usampler2D lightMap;
-uniform sampler2D directions;   // unit vectors: views, then lights
-uniform sampler2D pairs;        // (a_ij, k), lights outermost, PAIR_COLS a row
+uniform usampler2D viewCells;   // triangulated views: core/direction_mesh.hpp
+uniform usampler2D lightCells;
+uniform sampler2D pairs;        // (a_ij, k), lights outermost, LIST_COLS a row
 uniform sampler2D surface;      // slopes p = ∂z/∂x, q = ∂z/∂y, height z in texels, p² + q²
 uniform vec2 surfaceSize;       // of its torus, in texels
 uniform vec2 fieldSize;         // of the torus of fields, in texels
@@ -48,32 +47,34 @@ const float G_NODES = 85.0;     // … in nodes 0.1 apart, which all knots of a 
 
 // ---------------------------------------------------------------- directions
 
-// Hemi-octahedral coordinates in [0, 1]²: directions.ts makes the maps with them.
-vec2 direction_cell(vec3 d) {
-    vec2 e = d.xy / (abs(d.x) + abs(d.y) + d.z);
-    return 0.5 + 0.5 * vec2(e.x + e.y, e.x - e.y);
-}
-
 struct Corners {
     ivec3 number;
     vec3 w;
 };
 
-// The triangle that d is in, and its weights: w₀ a + w₁ b + w₂ c ∝ d. Outside of all
-// triangles weights would be negative: the nearest border is taken.
-Corners corners_of(usampler2D map, vec3 d, int first) {
-    ivec2 size = textureSize(map, 0);
-    ivec2 cell = min(ivec2(direction_cell(d) * vec2(size)), size - 1);
-    Corners c;
-    c.number = ivec3(texelFetch(map, cell, 0).xyz);
-    vec3 v0 = texelFetch(directions, ivec2((c.number.x + first) % PAIR_COLS, (c.number.x + first) / PAIR_COLS), 0).xyz;
-    vec3 v1 = texelFetch(directions, ivec2((c.number.y + first) % PAIR_COLS, (c.number.y + first) / PAIR_COLS), 0).xyz;
-    vec3 v2 = texelFetch(directions, ivec2((c.number.z + first) % PAIR_COLS, (c.number.z + first) / PAIR_COLS), 0).xyz;
-    vec3 w = vec3(dot(d, cross(v1, v2)), dot(d, cross(v2, v0)), dot(d, cross(v0, v1)));
-    float volume = dot(v0, cross(v1, v2));
-    w = abs(volume) < 1e-6 ? vec3(1.0, 0.0, 0.0) : max(w / volume, 0.0);
-    c.w = w / max(w.x + w.y + w.z, 1e-6);
-    return c;
+// DirectionMesh::interpolate: the square of the stereographic map (x, y) / (1 + z) that d is in
+// names a cell, from which a walk leads across the border that d is furthest beyond. The weights
+// are s_k = row_k · d, of sum 1; past the rim (in a sector) the third counts as 0.
+Corners corners_of(usampler2D cells, vec3 d) {
+    vec2 at = clamp((d.xy / (1.0 + d.z) * 0.5 + 0.5) * float(START_SIDE), 0.0, float(START_SIDE - 1));
+    int square = int(at.y) * START_SIDE + int(at.x);
+    uvec4 four = texelFetch(cells, ivec2((square >> 2) % LIST_COLS, (square >> 2) / LIST_COLS), 0);
+    int cell = int(four[square & 3]);
+    uvec4 a, b, c;
+    vec3 s;
+    for (int walk = 0; walk < 6; ++walk) {
+        int first = START_SIDE * START_SIDE / 4 + 3 * cell;
+        a = texelFetch(cells, ivec2(first % LIST_COLS, first / LIST_COLS), 0);
+        b = texelFetch(cells, ivec2((first + 1) % LIST_COLS, (first + 1) / LIST_COLS), 0);
+        c = texelFetch(cells, ivec2((first + 2) % LIST_COLS, (first + 2) / LIST_COLS), 0);
+        s = vec3(dot(uintBitsToFloat(a.xyz), d), dot(uintBitsToFloat(b.xyz), d), dot(uintBitsToFloat(c.xyz), d));
+        if (min(s.x, min(s.y, s.z)) >= -1e-5) break;
+        cell = int((s.x <= min(s.y, s.z) ? a.w : s.y <= s.z ? b.w : c.w) >> 16);
+    }
+    if ((c.w & 0x8000u) != 0u) s.z = 0.0;
+    s = max(s, 0.0);
+    float sum = s.x + s.y + s.z;
+    return Corners(ivec3(uvec3(a.w, b.w, c.w) & 0x7FFFu), sum > 0.0 ? s / sum : vec3(1.0, 0.0, 0.0));
 }
 
 // ---------------------------------------------------------------- fields without repetition
@@ -140,6 +141,14 @@ vec3 half_curvature(vec3 code) {
     return step(0.04045, code) * (0.5 * 2.4 * 1.4 / (1.055 * 1.055)) * pow((max(code, 0.0) + 0.055) / 1.055, vec3(0.4));
 }
 
+#ifdef COLOURS
+// Finished textures, stored as √(v / 2).
+vec3 colour_at(vec2 st, int k, vec2 dx, vec2 dy) {
+    vec3 root = textureGrad(fields, vec3(st, float(k)), dx, dy).xyz;
+    return 2.0 * root * root;
+}
+#endif
+
 // v = tone⁻¹(Tᵀ q(g) + mean): invert_spectral.
 //
 // At mip level m a field is an average over a pixel. The curves of that level are already
@@ -205,13 +214,13 @@ float self_shadow(vec3 hit, vec3 light, vec2 dx, vec2 dy) {
 // Sums the weights of all nine pairs of one light onto their subspaces.
 void add_light(Corners view, vec3 light, vec3 irradiance, inout vec3 weight[SUBSPACES]) {
 #ifdef MEASURED
-    Corners l = corners_of(lightMap, light, VIEWS);
+    Corners l = corners_of(lightCells, light);
     for (int j = 0; j < 3; ++j)
         for (int i = 0; i < 3; ++i) {
             float w = view.w[i] * l.w[j];
             if (w < 1e-3) continue;
             int pair = l.number[j] * VIEWS + view.number[i];
-            vec4 a_k = texelFetch(pairs, ivec2(pair % PAIR_COLS, pair / PAIR_COLS), 0);
+            vec4 a_k = texelFetch(pairs, ivec2(pair % LIST_COLS, pair / LIST_COLS), 0);
             weight[int(a_k.w)] += w * a_k.xyz * irradiance;
         }
 #else
@@ -270,7 +279,7 @@ vec3 sateen_radiance() {
 
     Corners view_corners = Corners(ivec3(0), vec3(1.0, 0.0, 0.0));
 #ifdef MEASURED
-    view_corners = corners_of(viewMap, view, 0);
+    view_corners = corners_of(viewCells, view);
 #endif
     vec3 weight[SUBSPACES];
     for (int k = 0; k < SUBSPACES; ++k) weight[k] = vec3(0.0);
@@ -312,8 +321,14 @@ vec3 sateen_radiance() {
     vec3 radiance = vec3(0.0);
     for (int k = 0; k < SUBSPACES; ++k) {
         if (dot(weight[k], vec3(1.0)) < 1e-4) continue;
-        vec3 v = viewMode == VIEW_INDEX ? palette[k]
-                                        : invert_spectral(field_at(tiles, k, dx, dy), k, level);
+        vec3 v = palette[k];
+        if (viewMode != VIEW_INDEX) {
+#ifdef COLOURS
+            v = colour_at(st, k, dx, dy);
+#else
+            v = invert_spectral(field_at(tiles, k, dx, dy), k, level);
+#endif
+        }
         radiance += weight[k] * v;
     }
     if (viewMode == VIEW_INDEX) {

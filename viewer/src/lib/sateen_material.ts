@@ -7,10 +7,10 @@ import {
 } from 'three';
 
 import type { Material } from './material';
-import type { Description } from './runtime';
+import { type MaterialData, START_SIDE } from './runtime';
 import evaluation from './sateen.glsl?raw';
 import {
-  curveTexture, directionTextures, FieldTexture, LEVELS, LIST_COLS, planeTexture,
+  curveTexture, directionTextures, FieldTexture, LEVELS, LIST_COLS, planeTexture, surfaceTexture,
 } from './textures';
 
 /** What of a material is shown. */
@@ -51,6 +51,21 @@ void main() {
     #include <colorspace_fragment>
 }`;
 
+/** A torus of the range map with about 512 texels a side, and its lowest and highest height. */
+async function drawSurface(
+  source: Material, seed: bigint, signal?: AbortSignal,
+): Promise<{ texture: DataTexture; range: [number, number] }> {
+  const tile = source.description.surface;
+  if (!tile) return { texture: surfaceTexture(new Float32Array(1), 1, 1), range: [0, 0] };
+  // Whole tiles, so that nothing is strained.
+  const side = (length: number): number => length * Math.max(1, Math.round(512 / length));
+  const [rows, cols] = [side(tile.rows), side(tile.cols)];
+  const heights = await source.drawRange(rows, cols, seed, signal);
+  let range: [number, number] = [Infinity, -Infinity];
+  for (const z of heights) range = [Math.min(range[0], z), Math.max(range[1], z)];
+  return { texture: surfaceTexture(heights, rows, cols), range };
+}
+
 /** Colours that tell subspaces apart, by the golden angle. */
 export function subspaceColours(count: number): Color[] {
   return Array.from({ length: count }, (_, k) =>
@@ -61,7 +76,7 @@ export class SateenMaterial extends ShaderMaterial {
   readonly isSateenMaterial = true;
   private readonly owned: Texture[] = [];
 
-  private constructor(readonly description: Description, parameters: ShaderMaterialParameters) {
+  private constructor(readonly description: MaterialData, parameters: ShaderMaterialParameters) {
     super(parameters);
   }
 
@@ -71,18 +86,19 @@ export class SateenMaterial extends ShaderMaterial {
     const { description } = source;
     const subspaces = description.subspaces.length;
     const fields = new FieldTexture(tile, description.bands, subspaces);
+    const { onProgress, signal } = options;
+    // What is more than fields is shown as it is drawn, one tile over and over.
+    const fieldsOnly = !description.structured;
     await source.draw({
-      rows: tile, cols: tile, seed, fieldsOnly: true,
-      onTexture: (k, texture) => fields.set(k, texture),
-      onProgress: options.onProgress,
-      signal: options.signal,
+      rows: tile, cols: tile, seed, fieldsOnly, onProgress, signal,
+      onTexture: (k, texture) => (fieldsOnly ? fields.set(k, texture) : fields.setColour(k, texture)),
     });
+    const surface = await drawSurface(source, seed, signal);
 
     const measured = description.views.length > 0;
     const directions = directionTextures(description);
     const curves = curveTexture(description.subspaces, fields.variance);
     const planes = planeTexture(description.subspaces, fields.variance);
-    const flat = new DataTexture(new Float32Array(4), 1, 1);
     const material = new SateenMaterial(description, {
       lights: true,
       vertexShader: VERTEX,
@@ -90,21 +106,24 @@ export class SateenMaterial extends ShaderMaterial {
       defines: {
         SUBSPACES: subspaces,
         LEVELS,
-        PAIR_COLS: LIST_COLS,
-        VIEWS: directions.views,
+        LIST_COLS,
+        START_SIDE,
+        VIEWS: description.views.length,
         ANISOTROPY: '8.0',
         LOWEST_LIGHT: directions.lowestLight.toFixed(6),
         RELIEF_STEPS: 24,
         SHADOW_STEPS: 12,
         ...(measured && { MEASURED: 1 }),
         ...(measured && description.cosineIncluded && { COSINE_INCLUDED: 1 }),
-        ...(repeat && { REPEAT: 1 }),
+        ...((repeat || !fieldsOnly) && { REPEAT: 1 }),
+        ...(!fieldsOnly && { COLOURS: 1 }),
+        ...(surface.range[1] > surface.range[0] && { SURFACE: 1 }),
       },
       uniforms: UniformsUtils.merge([UniformsLib.lights, {
         texelsPerUv: { value: new Vector2(...texelsPerUv) },
         fieldSize: { value: new Vector2(tile, tile) },
-        surfaceSize: { value: new Vector2(1, 1) },
-        heightRange: { value: new Vector2() },
+        surfaceSize: { value: new Vector2(surface.texture.image.width, surface.texture.image.height) },
+        heightRange: { value: new Vector2(...surface.range) },
         relief: { value: 1 },
         tint: { value: new Color(1, 1, 1) },
         exposure: { value: 1 },
@@ -117,14 +136,13 @@ export class SateenMaterial extends ShaderMaterial {
       fields: { value: fields.texture },
       curves: { value: curves },
       planes: { value: planes },
-      viewMap: { value: directions.viewMap },
-      lightMap: { value: directions.lightMap },
-      directions: { value: directions.directions },
+      viewCells: { value: directions.viewCells },
+      lightCells: { value: directions.lightCells },
       pairs: { value: directions.pairs },
-      surface: { value: flat },
+      surface: { value: surface.texture },
     });
-    material.owned.push(fields.texture, curves, planes, directions.viewMap, directions.lightMap,
-      directions.directions, directions.pairs, flat);
+    material.owned.push(fields.texture, curves, planes, directions.viewCells, directions.lightCells,
+      directions.pairs, surface.texture);
     return material;
   }
 

@@ -3,11 +3,11 @@
 import {
   ClampToEdgeWrapping, DataArrayTexture, DataTexture, DataUtils, FloatType, HalfFloatType, LinearFilter,
   LinearMipmapLinearFilter, NearestFilter, RepeatWrapping, RGBAFormat, RGBAIntegerFormat, UnsignedByteType,
-  UnsignedShortType, type Texture,
+  UnsignedIntType, type Texture,
 } from 'three';
 
-import { completeIndex, directionMap, toVector, type Vector } from './directions';
-import type { Description, SubspaceDescription } from './runtime';
+import { completeIndex, toVector } from './directions';
+import { type MaterialData, START_SIDE, type SubspaceDescription } from './runtime';
 
 /** Levels of the curves; coarser fields look like the last one. */
 export const LEVELS = 8;
@@ -16,7 +16,6 @@ export const LIST_COLS = 1024;
 /** Fields are stored from -G to G, curves in nodes 0.1 apart: both as in sateen.glsl. */
 const G = 4.2;
 const G_NODES = 85;
-const MAP_SIDE = 128;
 
 /** The fields of every subspace, toroidal, and how much of their variance each mip level keeps. */
 export class FieldTexture {
@@ -47,6 +46,17 @@ export class FieldTexture {
       for (let i = 0; i < sites; ++i)
         this.data[at + 4 * i + band] = plane ? Math.round(255 * (0.5 + 0.5 * clamp(plane[i]! / G, -1, 1))) : 128;
       if (plane) this.measureLevels(subspace, band, plane);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** Takes a finished texture of linear reflectance, for materials that are not fields alone. */
+  setColour(subspace: number, colour: Float32Array): void {
+    const sites = this.side * this.side;
+    const at = 4 * sites * subspace;
+    for (let band = 0; band < 3; ++band) {
+      const plane = colour.subarray(Math.min(band, this.bands - 1) * sites);
+      for (let i = 0; i < sites; ++i) this.data[at + 4 * i + band] = Math.round(255 * Math.sqrt(clamp(plane[i]! / 2, 0, 1)));
     }
     this.texture.needsUpdate = true;
   }
@@ -155,10 +165,18 @@ function listTexture(texels: ArrayLike<number>[]): DataTexture {
   return floatList(data, LIST_COLS, rows);
 }
 
-function mapTexture(directions: Vector[]): DataTexture {
-  const texture = new DataTexture(
-    directionMap(directions, MAP_SIDE), MAP_SIDE, MAP_SIDE, RGBAIntegerFormat, UnsignedShortType);
-  texture.internalFormat = 'RGBA16UI';
+/** The map of cells to start from, and the cells, three texels each: sateen.glsl, corners_of. */
+function cellTexture(packed: Uint32Array): DataTexture {
+  const starts = START_SIDE * START_SIDE;
+  const words = packed.subarray(1 + starts);
+  const cols = LIST_COLS;
+  const texels = starts / 4 + words.length / 4;
+  const rows = Math.max(1, Math.ceil(texels / cols));
+  const data = new Uint32Array(4 * cols * rows);
+  data.set(packed.subarray(1, 1 + starts));
+  data.set(words, starts);
+  const texture = new DataTexture(data, cols, rows, RGBAIntegerFormat, UnsignedIntType);
+  texture.internalFormat = 'RGBA32UI';
   texture.magFilter = texture.minFilter = NearestFilter;
   texture.needsUpdate = true;
   return texture;
@@ -166,25 +184,42 @@ function mapTexture(directions: Vector[]): DataTexture {
 
 /** What the shader needs of measured directions; of photographs, empty lists. */
 export interface DirectionTextures {
-  viewMap: Texture;
-  lightMap: Texture;
-  directions: Texture;
+  viewCells: Texture;
+  lightCells: Texture;
   pairs: Texture;
-  views: number;
   /** cos θ of the lowest light: nothing was measured below. */
   lowestLight: number;
 }
 
-export function directionTextures(description: Description): DirectionTextures {
-  const views = description.views.map(toVector);
-  const lights = description.lights.map(toVector);
-  const index = completeIndex(description.index, views, lights);
+export function directionTextures(data: MaterialData): DirectionTextures {
+  const views = data.views.map(toVector);
+  const lights = data.lights.map(toVector);
+  const index = completeIndex(data.index, views, lights);
   return {
-    viewMap: mapTexture(views),
-    lightMap: mapTexture(lights),
-    directions: listTexture([...views, ...lights]),
+    viewCells: cellTexture(data.viewCells),
+    lightCells: cellTexture(data.lightCells),
     pairs: listTexture(Array.from(index, (k) => [1, 1, 1, k])),
-    views: views.length,
     lowestLight: lights.reduce((least, d) => Math.min(least, d[2]), 1),
   };
+}
+
+/** Slopes p = ∂z/∂x, q = ∂z/∂y (y up), height and p² + q² of a toroidal range map in pixels. */
+export function surfaceTexture(heights: Float32Array, rows: number, cols: number): DataTexture {
+  const data = new Uint16Array(4 * rows * cols);
+  const half = DataUtils.toHalfFloat;
+  for (let r = 0; r < rows; ++r)
+    for (let c = 0; c < cols; ++c) {
+      const z = (dr: number, dc: number): number =>
+        heights[((r + dr + rows) % rows) * cols + ((c + dc + cols) % cols)]!;
+      const [p, q] = [(z(0, 1) - z(0, -1)) / 2, (z(-1, 0) - z(1, 0)) / 2];
+      data.set([half(p), half(q), half(z(0, 0)), half(p * p + q * q)], 4 * (r * cols + c));
+    }
+  const texture = new DataTexture(data, cols, rows, RGBAFormat, HalfFloatType);
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  texture.magFilter = LinearFilter;
+  texture.minFilter = LinearMipmapLinearFilter;
+  texture.generateMipmaps = true;
+  texture.anisotropy = 4;
+  texture.needsUpdate = true;
+  return texture;
 }

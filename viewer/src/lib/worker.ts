@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws in the background: one worker a material. To cancel is to end the worker.
-import { type Description, type DrawOptions, type LoadedMaterial, Runtime } from './runtime';
+import { type DrawOptions, type LoadedMaterial, type MaterialData, Runtime } from './runtime';
 
 export type Request =
   | { kind: 'load'; module: WebAssembly.Module; payload: Uint8Array }
-  | { kind: 'draw'; options: DrawOptions };
+  | { kind: 'draw'; options: DrawOptions }
+  | { kind: 'range'; rows: number; cols: number; seed: bigint };
 
 export type Reply =
-  | { kind: 'loaded'; description: Description }
+  | { kind: 'loaded'; description: MaterialData }
   | { kind: 'texture'; subspace: number; texture: Float32Array }
   | { kind: 'drawn' }
   | { kind: 'failed'; message: string };
@@ -23,9 +24,13 @@ async function answer(request: Request): Promise<void> {
   if (request.kind === 'load') {
     material = (await Runtime.create(request.module)).load(request.payload);
     scope.postMessage({ kind: 'loaded', description: material.description });
+  } else if (request.kind === 'range') {
+    const texture = material!.drawRange(request.rows, request.cols, request.seed);
+    scope.postMessage({ kind: 'texture', subspace: 0, texture }, [texture.buffer as ArrayBuffer]);
+    scope.postMessage({ kind: 'drawn' });
   } else {
     material!.draw(request.options, (subspace, texture) => {
-      scope.postMessage({ kind: 'texture', subspace, texture }, [texture.buffer]);
+      scope.postMessage({ kind: 'texture', subspace, texture }, [texture.buffer as ArrayBuffer]);
     });
     scope.postMessage({ kind: 'drawn' });
   }
