@@ -31,26 +31,6 @@ table { border-collapse: collapse; } th, td { padding: .25rem .8rem; border-bott
 th:first-child, td:first-child { text-align: left; } .total td { font-weight: 600; }
 )";
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-        std::uint32_t word = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            word = (word << 8U) | (k < left ? std::uint32_t{bytes[i + k]} : 0U);
-        }
-        for (std::size_t k = 0; k < 4; ++k) {
-            out += k <= left
-                       ? kDigits[(word >> (18U - 6U * static_cast<unsigned>(k))) & 63U]
-                       : '=';
-        }
-    }
-    return out;
-}
-
 /// A name nobody else uses, gone at the end of the scope.
 class TemporaryPath {
   public:
@@ -94,6 +74,26 @@ std::string polyline(const Plot& plot, const Curve& curve, std::string_view styl
 }
 
 }  // namespace
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+    constexpr std::string_view kDigits =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    out.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+        std::uint32_t word = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            word = (word << 8U) | (k < left ? std::uint32_t{bytes[i + k]} : 0U);
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            out += k <= left
+                       ? kDigits[(word >> (18U - 6U * static_cast<unsigned>(k))) & 63U]
+                       : '=';
+        }
+    }
+    return out;
+}
 
 std::string escaped(std::string_view text) {
     std::string out;

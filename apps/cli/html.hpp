@@ -2,6 +2,8 @@
 // What the pages of reports are made of: everything in one file, nothing to load.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +15,9 @@ namespace sateen::cli::html {
 
 /// The text with the characters that HTML reserves replaced.
 [[nodiscard]] std::string escaped(std::string_view text);
+
+/// Bytes as text, for data inside a page [RFC 4648].
+[[nodiscard]] std::string base64(std::span<const std::uint8_t> bytes);
 
 /// A whole page. \param title  plain text \param body  HTML
 [[nodiscard]] std::string page(std::string_view title, std::string_view body);

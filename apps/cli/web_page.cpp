@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "html.hpp"
 #include "sateen/io/atomic_file.hpp"
 
 namespace sateen::cli {
@@ -15,24 +16,6 @@ namespace {
 
 constexpr std::size_t kMaxPageBytes = std::size_t{16} << 20U;
 constexpr std::string_view kPlace = "<!--sateen-material-->";
-
-std::string attribute(std::string_view text) {
-    std::string out;
-    for (const char c : text) switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            default:
-                out += c;
-        }
-    return out;
-}
 
 }  // namespace
 
@@ -61,26 +44,8 @@ Result<std::string> page_with_material(std::string page, std::string_view name,
     page.replace(at, kPlace.size(),
                  fmt::format("<script type=\"text/plain\" id=\"sateen-material\" "
                              "data-name=\"{}\">{}</script>",
-                             attribute(name), base64(file)));
+                             html::escaped(name), html::base64(file)));
     return page;
-}
-
-std::string base64(std::span<const std::uint8_t> bytes) {
-    constexpr std::string_view kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::size_t left = bytes.size() - i;
-        std::uint32_t group = std::uint32_t{bytes[i]} << 16U;
-        if (left > 1) group |= std::uint32_t{bytes[i + 1]} << 8U;
-        if (left > 2) group |= bytes[i + 2];
-        out += kDigits[group >> 18U];
-        out += kDigits[(group >> 12U) & 63U];
-        out += left > 1 ? kDigits[(group >> 6U) & 63U] : '=';
-        out += left > 2 ? kDigits[group & 63U] : '=';
-    }
-    return out;
 }
 
 }  // namespace sateen::cli

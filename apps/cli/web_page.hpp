@@ -21,6 +21,4 @@ namespace sateen::cli {
                                                      std::string_view name,
                                                      std::span<const std::uint8_t> file);
 
-[[nodiscard]] std::string base64(std::span<const std::uint8_t> bytes);
-
 }  // namespace sateen::cli

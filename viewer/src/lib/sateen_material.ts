@@ -91,12 +91,14 @@ export class SateenMaterial extends ShaderMaterial {
     const fieldsOnly = !description.structured;
     await source.draw({
       rows: tile, cols: tile, seed, fieldsOnly, onProgress, signal,
-      onTexture: (k, texture) => (fieldsOnly ? fields.set(k, texture) : fields.setColour(k, texture)),
+      onTexture: (k, texture) => (fieldsOnly
+        ? fields.set(k, texture, description.subspaces[k]!)
+        : fields.setColour(k, texture)),
     });
     const surface = await drawSurface(source, seed, signal);
 
     const measured = description.views.length > 0;
-    const directions = directionTextures(description);
+    const directions = directionTextures(description, fields.mean);
     const curves = curveTexture(description.subspaces, fields.variance);
     const planes = planeTexture(description.subspaces, fields.variance);
     const material = new SateenMaterial(description, {

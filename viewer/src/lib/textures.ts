@@ -22,11 +22,14 @@ export class FieldTexture {
   readonly texture: DataArrayTexture;
   /** (subspaces, LEVELS, 3) */
   readonly variance: Float32Array;
+  /** (subspaces, 3): mean linear reflectance of each texture. */
+  readonly mean: Float32Array;
   private readonly data: Uint8Array;
 
   constructor(readonly side: number, private readonly bands: number, subspaces: number) {
     this.data = new Uint8Array(4 * side * side * subspaces);
     this.variance = new Float32Array(subspaces * LEVELS * 3).fill(1);
+    this.mean = new Float32Array(subspaces * 3);
     this.texture = new DataArrayTexture(this.data, side, side, subspaces);
     this.texture.format = RGBAFormat;
     this.texture.type = UnsignedByteType;
@@ -38,7 +41,8 @@ export class FieldTexture {
   }
 
   /** Takes the fields of one subspace, (bands, side, side). */
-  set(subspace: number, fields: Float32Array): void {
+  set(subspace: number, fields: Float32Array, description: SubspaceDescription): void {
+    this.mean.set(meanColour(fields, this.side * this.side, description), 3 * subspace);
     const sites = this.side * this.side;
     const at = 4 * sites * subspace;
     for (let band = 0; band < 3; ++band) {
@@ -55,6 +59,8 @@ export class FieldTexture {
     const sites = this.side * this.side;
     const at = 4 * sites * subspace;
     for (let band = 0; band < 3; ++band) {
+      const values = colour.subarray(Math.min(band, this.bands - 1) * sites).subarray(0, sites);
+      this.mean[3 * subspace + band] = values.reduce((sum, v) => sum + v, 0) / sites;
       const plane = colour.subarray(Math.min(band, this.bands - 1) * sites);
       for (let i = 0; i < sites; ++i) this.data[at + 4 * i + band] = Math.round(255 * Math.sqrt(clamp(plane[i]! / 2, 0, 1)));
     }
@@ -90,6 +96,24 @@ export function marginal(scale: number, knots: number[], g: number): number {
   const x = ((clamp(g, -3, 3) + 3) / 6) * (knots.length - 1);
   const j = Math.min(Math.floor(x), knots.length - 2);
   return scale * (knots[j]! + (x - j) * (knots[j + 1]! - knots[j]!));
+}
+
+/** Mean linear colour of what fields become, from every 7th site: invert_spectral. */
+function meanColour(fields: Float32Array, sites: number, { T, mean, tone, scale, knots }: SubspaceDescription): number[] {
+  const d = mean.length;
+  const sum = [0, 0, 0];
+  let count = 0;
+  for (let i = 0; i < sites; i += 7, ++count) {
+    const q = scale.map((s, plane) => marginal(s, knots[plane]!, fields[plane * sites + i]!));
+    for (let band = 0; band < 3; ++band) {
+      const b = Math.min(band, d - 1);
+      let v = mean[b]!;
+      for (let plane = 0; plane < d; ++plane) v += T[plane * d + b]! * q[plane]!;
+      v = Math.max(0, v);
+      sum[band]! += tone === 'linear' ? v : v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+    }
+  }
+  return sum.map((s) => s / count);
 }
 
 // Nodes and weights of the expectation over a standard normal value: a fine midpoint rule.
@@ -191,14 +215,28 @@ export interface DirectionTextures {
   lowestLight: number;
 }
 
-export function directionTextures(data: MaterialData): DirectionTextures {
+/**
+ * a_ij: what makes the mean of the subspace's texture that of the pair, (max(0, e_c))³ of
+ * material/reflectance.hpp. 1 where the material has no reflectance.
+ */
+function reflectanceOf(data: MaterialData, pair: number, mean: ArrayLike<number>, k: number): number[] {
+  const LARGEST = 16;
+  return [0, 1, 2].map((band) => {
+    if (!data.appearance) return 1;
+    const e = data.appearance[4 * pair + Math.min(band, data.bands - 1)]!;
+    return clamp(Math.max(0, e) ** 3 / Math.max(1e-6, mean[3 * k + band]!), 0, LARGEST);
+  });
+}
+
+/** @param mean  of the textures, (subspaces, 3) */
+export function directionTextures(data: MaterialData, mean: ArrayLike<number>): DirectionTextures {
   const views = data.views.map(toVector);
   const lights = data.lights.map(toVector);
   const index = completeIndex(data.index, views, lights);
   return {
     viewCells: cellTexture(data.viewCells),
     lightCells: cellTexture(data.lightCells),
-    pairs: listTexture(Array.from(index, (k) => [1, 1, 1, k])),
+    pairs: listTexture(Array.from(index, (k, pair) => [...reflectanceOf(data, pair, mean, k), k])),
     lowestLight: lights.reduce((least, d) => Math.min(least, d[2]), 1),
   };
 }
