@@ -14,6 +14,7 @@
 
 #include "io/direction_names.hpp"
 #include "io/file_source.hpp"
+#include "io/light_positions.hpp"
 
 namespace sateen {
 namespace {
@@ -50,6 +51,7 @@ struct Found {
     std::string layout;
     bool has_directions = false;
     std::vector<Candidate> images;
+    std::vector<std::string> notes;
 };
 
 Error bad_entry(const FileSource& source, std::size_t entry, const std::string& what) {
@@ -65,6 +67,11 @@ bool begins_like_zip(const std::string& path) {
     const std::string_view text(bytes.data(), bytes.size());
     // Of an entry, or of the directory of an empty archive.
     return text == std::string_view("PK\3\4", 4) || text == std::string_view("PK\5\6", 4);
+}
+
+bool ends_like_light_positions(const std::string& path) {
+    const std::string extension = fs::path(path).extension().string();
+    return extension == ".lp" || extension == ".LP";
 }
 
 bool ends_like_zip(const std::string& path) {
@@ -83,6 +90,10 @@ Result<std::unique_ptr<FileSource>> open_source(std::span<const std::string> pat
             return Error{Errc::io, path + ": does not exist"};
         if (code) return Error{Errc::io, path + ": cannot be read: " + code.message()};
         const bool folder = fs::is_directory(status);
+        if (!folder && paths.size() == 1 && ends_like_light_positions(path)) {
+            const fs::path parent = fs::path(path).parent_path();
+            return io::open_folder(parent.empty() ? "." : parent.string());
+        }
         const bool zip = !folder && (ends_like_zip(path) || begins_like_zip(path));
         if (paths.size() > 1 && (folder || zip))
             return Error{Errc::invalid_argument,
@@ -98,6 +109,8 @@ Result<std::unique_ptr<FileSource>> open_source(std::span<const std::string> pat
 std::string material_name(const std::string& path) {
     std::error_code code;
     fs::path whole = fs::absolute(path, code).lexically_normal();
+    // "dirs.lp" says nothing: the folder does.
+    if (ends_like_light_positions(path)) whole = whole.parent_path();
     if (whole.filename().empty()) whole = whole.parent_path();
     return fs::is_directory(whole, code) ? whole.filename().string()
                                          : whole.stem().string();
@@ -118,25 +131,98 @@ const FileEntry* find_csv(const FileSource& source) {
     return best;
 }
 
+/// The light position file that was given, or the only one beside the images.
+const FileEntry* find_light_positions(const FileSource& source, const std::string& path) {
+    const bool given = ends_like_light_positions(path);
+    const std::string name = fs::path(path).filename().string();
+    const FileEntry* found = nullptr;
+    for (const FileEntry& entry : source.entries()) {
+        if (given ? entry.name != name
+                  : entry.name.find('/') != std::string::npos ||
+                        !ends_like_light_positions(entry.name))
+            continue;
+        if (found != nullptr) return nullptr;
+        found = &entry;
+    }
+    return found;
+}
+
+Result<std::string> read_list(const FileSource& source, std::size_t entry) {
+    constexpr std::uint64_t kMaxListBytes = std::uint64_t{1} << 26;
+    const std::uint64_t size = source.entries()[entry].bytes;
+    if (size > kMaxListBytes)
+        return Error{Errc::limit_exceeded,
+                     source.display_name(entry) + ": has " + std::to_string(size) +
+                         " bytes, expected at most " + std::to_string(kMaxListBytes)};
+    SATEEN_TRY(const std::vector<std::uint8_t> bytes, source.read(entry));
+    return std::string(bytes.begin(), bytes.end());
+}
+
+std::string lower_case(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+Result<Found> find_by_light_positions(const FileSource& source, const FileEntry& list,
+                                      Rejects& rejects) {
+    const auto& entries = source.entries();
+    const auto list_entry = static_cast<std::size_t>(&list - entries.data());
+    const std::string name = source.display_name(list_entry);
+    SATEEN_TRY(const std::string text, read_list(source, list_entry));
+    SATEEN_TRY(io::LightPositions positions, io::parse_light_positions(text, name));
+
+    std::map<std::string, std::size_t> by_name;
+    std::vector<std::size_t> images;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        if (!io::has_image_extension(entries[i].name)) continue;
+        by_name.emplace(lower_case(io::base_name(entries[i].name)), i);
+        images.push_back(i);
+    }
+    Found found{"lp", true, {}, {}};
+    const auto exists = [&](const io::LightPosition& light) {
+        return by_name.contains(lower_case(light.file));
+    };
+    // Renamed or converted since: as many files as lines, in the same order.
+    const bool by_order =
+        images.size() == positions.lights.size() &&
+        std::none_of(positions.lights.begin(), positions.lights.end(), exists);
+    if (by_order)
+        found.notes.push_back(name + ": none of its files exists; took the " +
+                              std::to_string(images.size()) + " images in order of name");
+    for (std::size_t i = 0; i < positions.lights.size(); ++i) {
+        const io::LightPosition& light = positions.lights[i];
+        const std::string where = name + ", line " + std::to_string(light.line) + ": ";
+        if (!light.problem.empty()) {
+            SATEEN_CHECK(rejects.add({Errc::bad_format, where + light.problem}));
+            continue;
+        }
+        if (!by_order && !exists(light)) {
+            SATEEN_CHECK(rejects.add(
+                {Errc::io, where + "lists '" + light.file + "', which does not exist"}));
+            continue;
+        }
+        const std::size_t entry =
+            by_order ? images[i] : by_name.at(lower_case(light.file));
+        found.images.push_back({entry, {light.direction, DirectionKey{}}});
+    }
+    if (!positions.note.empty()) found.notes.push_back(std::move(positions.note));
+    return found;
+}
+
 Result<Found> find_by_csv(const FileSource& source, const FileEntry& csv,
                           Rejects& rejects) {
     const auto& entries = source.entries();
     const auto csv_entry = static_cast<std::size_t>(&csv - entries.data());
     const std::string csv_name = source.display_name(csv_entry);
-    constexpr std::uint64_t kMaxCsvBytes = std::uint64_t{1} << 26;
-    if (csv.bytes > kMaxCsvBytes)
-        return Error{Errc::limit_exceeded,
-                     csv_name + ": has " + std::to_string(csv.bytes) +
-                         " bytes, expected at most " + std::to_string(kMaxCsvBytes)};
-    SATEEN_TRY(const std::vector<std::uint8_t> bytes, source.read(csv_entry));
-    const std::string text(bytes.begin(), bytes.end());
+    SATEEN_TRY(const std::string text, read_list(source, csv_entry));
     SATEEN_TRY(const std::vector<io::CsvRow> rows,
                io::parse_directions_csv(text, csv_name));
 
     const std::string folder = csv.name.substr(0, csv.name.find_last_of('/') + 1);
     std::map<std::string, std::size_t> by_name;
     for (std::size_t i = 0; i < entries.size(); ++i) by_name[entries[i].name] = i;
-    Found found{"directions.csv", true, {}};
+    Found found{"directions.csv", true, {}, {}};
     for (const io::CsvRow& row : rows) {
         const std::string where = csv_name + ", line " + std::to_string(row.line) + ": ";
         if (!row.problem.empty()) {
@@ -185,6 +271,7 @@ Result<Found> find_by_name(const FileSource& source, const std::string& path,
                 : images.size() == 1 ? "photograph"
                                      : "photographs",
                 directions,
+                {},
                 {}};
     for (std::size_t i = 0; i < images.size(); ++i) {
         if (directions && names[i].kind != io::NameKind::full) {
@@ -394,8 +481,11 @@ Result<std::unique_ptr<Measurement>> open_measurement(std::span<const std::strin
 
     Rejects rejects(options.skip_bad);
     const FileEntry* csv = is_list ? nullptr : find_csv(*source);
-    SATEEN_TRY(Found found, csv != nullptr
-                                ? find_by_csv(*source, *csv, rejects)
+    const FileEntry* lights =
+        is_list || csv != nullptr ? nullptr : find_light_positions(*source, path);
+    SATEEN_TRY(Found found, csv != nullptr ? find_by_csv(*source, *csv, rejects)
+                            : lights != nullptr
+                                ? find_by_light_positions(*source, *lights, rejects)
                                 : find_by_name(*source, path, is_list, rejects));
     SATEEN_CHECK(sort_and_check_duplicates(*source, found, rejects));
     MeasurementInfo info;
@@ -409,6 +499,7 @@ Result<std::unique_ptr<Measurement>> open_measurement(std::span<const std::strin
     info.name = material_name(path);
     info.layout = found.layout;
     info.skipped = rejects.lines();
+    info.skipped.insert(info.skipped.end(), found.notes.begin(), found.notes.end());
     std::vector<std::size_t> entries;
     for (const Candidate& image : found.images) {
         entries.push_back(image.entry);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "io/direction_names.hpp"
+#include "io/light_positions.hpp"
 
 namespace {
 
@@ -28,5 +29,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (rows)
         for (const auto& row : *rows)
             if (row.problem.empty()) check(row.directions);
+    const auto lights = sateen::io::parse_light_positions(text, "fuzz");
+    if (lights)
+        for (const auto& light : lights->lights)
+            if (light.problem.empty()) check({light.direction, {}});
     return 0;
 }

@@ -20,7 +20,8 @@ struct OpenOptions {
     Encoding encoding = Encoding::automatic;
 };
 
-/// \param paths  one zip, one folder, or one or more image files
+/// \param paths  one zip, one folder, one RTI light position file (.lp, beside its images),
+///               or one or more image files
 /// \error io          a path does not exist, is unreadable or empty
 /// \error bad_format  unparsable or duplicate direction, wrong size; names the file and
 /// says

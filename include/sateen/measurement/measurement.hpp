@@ -39,7 +39,7 @@ struct Observation {
 /// What a measurement holds, known before any image is decoded.
 struct MeasurementInfo {
     std::string name;    ///< of the material, from the folder or file name
-    std::string layout;  ///< "ubo2003", "directions.csv", "photograph", "photographs"
+    std::string layout;  ///< "ubo2003", "directions.csv", "lp", "photograph", "photographs"
     std::size_t rows = 0;
     std::size_t cols = 0;
     std::size_t bands = 0;  ///< 1 or 3
