@@ -36,38 +36,45 @@ inline double frequency(std::size_t k, std::size_t n) {
     return 2 * std::numbers::pi * (2 * k > n ? turns - 1 : turns);
 }
 
-namespace detail {
+enum class Transform { forward, inverse };
 
-template <bool kForward>
-void transform_rows_and_columns(Spectrum& spectrum) {
+/// One-dimensional transforms of `count` lines of `length` values `step` apart; the inverse
+/// divides by the length.
+inline void transform_lines(Spectrum& spectrum, Transform direction, std::size_t count,
+                            std::size_t next, std::size_t length, std::size_t step) {
+    if (length < 2) return;
     Eigen::FFT<double> fft;
-    std::vector<std::complex<double>> in;
+    std::vector<std::complex<double>> in(length);
     std::vector<std::complex<double>> out;
-    const auto line = [&](std::size_t first, std::size_t count, std::size_t step) {
-        if (count < 2) return;
-        in.resize(count);
-        for (std::size_t i = 0; i < count; ++i) in[i] = spectrum.values[first + i * step];
-        if constexpr (kForward)
+    for (std::size_t line = 0; line < count; ++line) {
+        const std::size_t first = line * next;
+        for (std::size_t i = 0; i < length; ++i)
+            in[i] = spectrum.values[first + i * step];
+        if (direction == Transform::forward)
             fft.fwd(out, in);
         else
             fft.inv(out, in);
-        for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t i = 0; i < length; ++i)
             spectrum.values[first + i * step] = out[i];
-    };
-    for (std::size_t r = 0; r < spectrum.rows; ++r)
-        line(r * spectrum.cols, spectrum.cols, 1);
-    for (std::size_t c = 0; c < spectrum.cols; ++c) line(c, spectrum.rows, spectrum.cols);
+    }
 }
 
-}  // namespace detail
+inline void transform_rows(Spectrum& spectrum, Transform direction) {
+    transform_lines(spectrum, direction, spectrum.rows, spectrum.cols, spectrum.cols, 1);
+}
+inline void transform_columns(Spectrum& spectrum, Transform direction) {
+    transform_lines(spectrum, direction, spectrum.cols, 1, spectrum.rows, spectrum.cols);
+}
 
 /// Unnormalised.
 inline void forward(Spectrum& spectrum) {
-    detail::transform_rows_and_columns<true>(spectrum);
+    transform_rows(spectrum, Transform::forward);
+    transform_columns(spectrum, Transform::forward);
 }
 /// With 1/MN.
 inline void inverse(Spectrum& spectrum) {
-    detail::transform_rows_and_columns<false>(spectrum);
+    transform_columns(spectrum, Transform::inverse);
+    transform_rows(spectrum, Transform::inverse);
 }
 
 template <class T>

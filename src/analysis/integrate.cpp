@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 #include "analysis/fourier.hpp"
 
@@ -37,32 +38,66 @@ Complex symbol(Difference difference, std::size_t k, std::size_t n) {
     return symbol(difference, frequency(k, n));
 }
 
-BasicImage<double> integrate_torus(const SlopeField& slopes, Difference difference) {
+/// Makes a function of the lattice (rows, shear), (0, cols), transformed along its rows,
+/// periodic down its columns, or takes that back: f(r + rows, c + shear) = f(r, c) means
+/// F(r + rows, n) exp(2πi n shear / cols) = F(r, n).
+void straighten(Spectrum& F, std::size_t shear, double sign) {
+    if (shear == 0) return;
+    for (std::size_t r = 0; r < F.rows; ++r)
+        for (std::size_t n = 0; n < F.cols; ++n)
+            F(r, n) *= std::polar(1.0, sign * frequency(n, F.cols) *
+                                           static_cast<double>(shear * r) /
+                                           static_cast<double>(F.rows));
+}
+
+Spectrum lattice_spectrum(PlaneView<const double> plane, std::size_t shear) {
+    Spectrum out(plane.rows, plane.cols);
+    for (std::size_t r = 0; r < plane.rows; ++r)
+        for (std::size_t c = 0; c < plane.cols; ++c) out(r, c) = plane(r, c);
+    transform_rows(out, Transform::forward);
+    straighten(out, shear, 1);
+    transform_columns(out, Transform::forward);
+    return out;
+}
+
+/// The spectrum is destroyed.
+BasicImage<double> lattice_plane(Spectrum& spectrum, std::size_t shear) {
+    transform_columns(spectrum, Transform::inverse);
+    straighten(spectrum, shear, -1);
+    transform_rows(spectrum, Transform::inverse);
+    BasicImage<double> out(1, spectrum.rows, spectrum.cols);
+    for (std::size_t i = 0; i < spectrum.values.size(); ++i)
+        out.values()[i] = spectrum.values[i].real();
+    return out;
+}
+
+BasicImage<double> integrate_torus(const SlopeField& slopes, Difference difference,
+                                   std::size_t shear) {
     const std::size_t rows = slopes.rows();
     const std::size_t cols = slopes.cols();
-    Spectrum P = spectrum_of<double>(slopes.plane(0));
-    const Spectrum Q = spectrum_of<double>(slopes.plane(1));
-    for (std::size_t m = 0; m < rows; ++m) {
-        // y points against the rows.
-        const Complex Dy = symbol(difference, (rows - m) % rows, rows);
-        const double omega_y = frequency(m, rows);
-        for (std::size_t n = 0; n < cols; ++n) {
-            const Complex Dx = symbol(difference, n, cols);
-            const double omega_x = frequency(n, cols);
+    Spectrum P = lattice_spectrum(slopes.plane(0), shear);
+    const Spectrum Q = lattice_spectrum(slopes.plane(1), shear);
+    for (std::size_t n = 0; n < cols; ++n) {
+        const Complex Dx = symbol(difference, n, cols);
+        const double omega_x = frequency(n, cols);
+        const double drift =
+            omega_x * static_cast<double>(shear) / static_cast<double>(rows);
+        for (std::size_t m = 0; m < rows; ++m) {
+            const double omega_r =
+                std::remainder(frequency(m, rows) - drift, 2 * std::numbers::pi);
+            // y points against the rows.
+            const Complex Dy = shear == 0 ? symbol(difference, (rows - m) % rows, rows)
+                                          : symbol(difference, -omega_r);
             double gain = std::norm(Dx) + std::norm(Dy);
             if (difference == Difference::central)
                 gain =
-                    std::max(gain, kLeastGain * (omega_x * omega_x + omega_y * omega_y));
+                    std::max(gain, kLeastGain * (omega_x * omega_x + omega_r * omega_r));
             const Complex sum = std::conj(Dx) * P(m, n) + std::conj(Dy) * Q(m, n);
             P(m, n) = gain > 0 ? sum / gain : Complex{};
         }
     }
     P(0, 0) = 0;
-    inverse(P);
-    BasicImage<double> height(1, rows, cols);
-    for (std::size_t i = 0; i < P.values.size(); ++i)
-        height.values()[i] = P.values[i].real();
-    return height;
+    return lattice_plane(P, shear);
 }
 
 /// Mirrored about the borders: p is odd along the columns, q along the rows.
@@ -95,9 +130,10 @@ BasicImage<double> top_left(const BasicImage<double>& image, std::size_t rows,
 }  // namespace
 
 BasicImage<double> integrate(const SlopeField& slopes, Difference difference,
-                             Periodicity periodicity) {
-    if (periodicity == Periodicity::torus) return integrate_torus(slopes, difference);
-    return top_left(integrate_torus(mirrored(slopes), difference), slopes.rows(),
+                             Periodicity periodicity, std::size_t shear) {
+    if (periodicity == Periodicity::torus)
+        return integrate_torus(slopes, difference, shear);
+    return top_left(integrate_torus(mirrored(slopes), difference, 0), slopes.rows(),
                     slopes.cols());
 }
 

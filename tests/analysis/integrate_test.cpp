@@ -58,6 +58,29 @@ TEST(Integrate, EveryDifferenceIsInvertedByItsOwnSymbol) {
     }
 }
 
+// Random heights of a sheared torus from differences taken by hand.
+TEST(Integrate, AShearedTorusIsInvertedToo) {
+    constexpr std::size_t kRows = 15;
+    constexpr std::size_t kCols = 21;
+    constexpr std::size_t kShear = 8;
+    BasicImage<double> height(1, kRows, kCols);
+    std::mt19937 engine(8);
+    double mean = 0;
+    for (double& z : height.values())
+        mean += z = static_cast<double>(engine()) / 4294967296.0;
+    for (double& z : height.values()) z -= mean / (kRows * kCols);
+    SlopeField slopes(2, kRows, kCols);
+    for (std::size_t r = 0; r < kRows; ++r)
+        for (std::size_t c = 0; c < kCols; ++c) {
+            const double above =
+                r > 0 ? height(0, r - 1, c) : height(0, kRows - 1, (c + kShear) % kCols);
+            slopes(0, r, c) = height(0, r, (c + 1) % kCols) - height(0, r, c);
+            slopes(1, r, c) = above - height(0, r, c);
+        }
+    const auto z = integrate(slopes, Difference::forward, Periodicity::torus, kShear);
+    EXPECT_LT(largest_difference(z, height), 1e-12);
+}
+
 // Naively, from the heights themselves.
 TEST(SlopesOf, AreTheDifferencesThatTheyAreCalled) {
     const Relief relief = cosine_relief(17, 22, 7, 2, 5);

@@ -37,13 +37,13 @@ inline Image normals_of_slopes(const SlopeField& slopes) {
 /// A sum of cosines of whole periods on the torus, up to `largest` periods a side, of a
 /// given largest slope.
 inline Relief cosine_relief(std::size_t rows, std::size_t cols, int largest, double slope,
-                            unsigned seed) {
+                            unsigned seed, int waves = 6) {
     std::mt19937 engine(seed);
     const auto whole = [&](int low, int high) {
         return low + static_cast<int>(engine() % static_cast<unsigned>(high - low + 1));
     };
     Relief out{BasicImage<double>(1, rows, cols), SlopeField(2, rows, cols), {}};
-    for (int wave = 0; wave < 6; ++wave) {
+    for (int wave = 0; wave < waves; ++wave) {
         const double m = whole(-largest, largest);
         const double n = whole(wave == 0 ? 1 : 0, largest);
         const double phase = static_cast<double>(engine()) / 4294967296.0 * 6.28;
@@ -51,7 +51,7 @@ inline Relief cosine_relief(std::size_t rows, std::size_t cols, int largest, dou
         const double wx = 2 * std::numbers::pi * n / static_cast<double>(cols);
         const double omega = std::hypot(wx, wy);
         if (omega == 0) continue;
-        const double amplitude = slope / 6 / omega;
+        const double amplitude = slope / waves / omega;
         for (std::size_t r = 0; r < rows; ++r)
             for (std::size_t c = 0; c < cols; ++c) {
                 const double angle =

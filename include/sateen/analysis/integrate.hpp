@@ -33,11 +33,12 @@ enum class Periodicity {
 /// [Frankot and Chellappa 1988, with the symbols of the differences used]. Slopes that are
 /// differences of a torus are inverted exactly; for `central` up to 0.7 of the Nyquist
 /// frequency, above which they hardly see the height, and the noise in them is damped.
+/// \param shear  the torus is that of the lattice (rows, shear), (0, cols)
 /// \returns (1, rows, cols), in pixels
 /// \cost O(n log n) in double precision for any size; 4 times as much for a mirror
 [[nodiscard]] BasicImage<double> integrate(const SlopeField& slopes,
-                                           Difference difference,
-                                           Periodicity periodicity);
+                                           Difference difference, Periodicity periodicity,
+                                           std::size_t shear = 0);
 
 /// The differences of a torus: the inverse of integrate().
 [[nodiscard]] SlopeField slopes_of(const BasicImage<double>& height,
