@@ -2,6 +2,7 @@
 // sateen info: what a measurement or a material holds.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -40,6 +41,18 @@ Json directions_json(const std::vector<Direction>& directions) {
     return json;
 }
 
+Json surface_json(const Surface& surface) {
+    std::uint16_t highest = 0;
+    for (const auto& tile : surface.tiles)
+        for (const std::uint16_t code : tile) highest = std::max(highest, code);
+    return {{"tile", fmt::format("{}x{}", surface.cols, surface.rows)},
+            {"tiles", surface.tiles.size()},
+            {"shear", surface.shear_px},
+            {"lowest_px", surface.height_px(0)},
+            {"highest_px", surface.height_px(highest)},
+            {"delit", surface.delit}};
+}
+
 Result<Json> describe_material(const std::string& path) {
     SATEEN_TRY(const auto bytes, read_file(path, kMaxPayloadBytes));
     SATEEN_TRY(const Material material, load_material(path));
@@ -73,6 +86,7 @@ Result<Json> describe_material(const std::string& path) {
                                      {"levels", subspace.levels.size()},
                                      {"coefficients", coefficients}});
     }
+    if (material.surface) json["surface"] = surface_json(*material.surface);
     for (const PartBytes& part : parts) json["payload_bytes"][part.part] = part.bytes;
     return json;
 }

@@ -2,10 +2,12 @@
 // sateen model: a measurement to a material.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +17,12 @@
 #include "field_names.hpp"
 #include "model_report.hpp"
 #include "sateen/analysis/analyse.hpp"
+#include "sateen/analysis/range_map.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/executor.hpp"
 #include "sateen/io/material_file.hpp"
 #include "sateen/io/open_measurement.hpp"
+#include "surface_maps.hpp"
 #include "verbs.hpp"
 
 namespace sateen::cli {
@@ -36,6 +40,9 @@ struct ModelArguments {
     std::string encoding = "auto";
     std::string report;
     std::string structure = "auto";
+    std::string surface = "auto";
+    std::string surface_out;
+    std::string surface_light;
     std::size_t budget = 0;
     bool paper = false;
     bool skip_bad = false;
@@ -55,6 +62,8 @@ std::string recorded_options(const ModelArguments& arguments) {
     add("--neighbourhood", arguments.neighbourhood);
     add("--encoding", arguments.encoding);
     add("--structure", arguments.structure);
+    add("--surface", arguments.surface);
+    if (!arguments.surface_light.empty()) add("--surface-light", arguments.surface_light);
     if (arguments.budget != 0) add("--budget", std::to_string(arguments.budget));
     if (arguments.common.seed != 0) add("--seed", std::to_string(arguments.common.seed));
     return text;
@@ -128,8 +137,33 @@ void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& resu
              {"field", field_names({&subspace, 1})},
              {"levels", subspace.levels.size()}});
     }
+    if (material.surface)
+        json["surface"] = {{"size", {material.surface->cols, material.surface->rows}},
+                           {"shear", material.surface->shear_px},
+                           {"tiles", material.surface->tiles.size()}};
     json["notes"] = analysis.notes;
     print_json(json);
+}
+
+/// The range map, and what of the budget is left for the rest.
+Result<std::optional<RangeMap>> find_surface(const ModelArguments& arguments,
+                                             const Measurement& measurement,
+                                             Executor& executor, Progress& progress) {
+    RangeMapOptions options;
+    SATEEN_TRY(options.method, parse_surface_method(arguments.surface));
+    options.robust = !arguments.paper;
+    options.skip_bad = arguments.skip_bad;
+    if (!arguments.surface_light.empty())
+        options.light = parse_direction(arguments.surface_light);
+    if (arguments.budget != 0)
+        options.budget_bytes = std::min(options.budget_bytes, arguments.budget / 2);
+    SATEEN_TRY(std::optional<RangeMap> found,
+               estimate_range_map(measurement, options, executor, progress));
+    if (!found && !arguments.surface_out.empty())
+        return Error{Errc::invalid_argument,
+                     "--surface-out: no surface was estimated; --surface stereo needs "
+                     "several lights, --surface shading takes one photograph"};
+    return found;
 }
 
 Result<void> run_model(const ModelArguments& arguments) {
@@ -156,12 +190,34 @@ Result<void> run_model(const ModelArguments& arguments) {
     Provenance provenance;
     provenance.options = recorded_options(arguments);
     provenance.writer = "sateen " SATEEN_VERSION;
-    SATEEN_TRY(const BudgetedAnalysis result,
-               analyse_within(*measurement, options, arguments.budget, provenance,
-                              *executor, progress));
-    const Analysis& analysis = result.analysis;
+    SATEEN_TRY(std::optional<RangeMap> range,
+               find_surface(arguments, *measurement, *executor, progress));
+    // What surfaces take is not all entropy: tables, and what gzip does not see.
+    constexpr std::size_t kTableBytes = 256;
+    const std::size_t surface_bytes =
+        range ? range->estimated_bytes + range->estimated_bytes / 8 + kTableBytes : 0;
+    if (range && arguments.budget != 0 && surface_bytes > arguments.budget / 2)
+        range.reset();
+    const std::size_t budget = arguments.budget != 0 && range
+                                   ? arguments.budget - surface_bytes
+                                   : arguments.budget;
+    SATEEN_TRY(BudgetedAnalysis result, analyse_within(*measurement, options, budget,
+                                                       provenance, *executor, progress));
+    Analysis& analysis = result.analysis;
+    if (range) {
+        analysis.material.surface = std::move(range->surface);
+        analysis.notes.insert(analysis.notes.end(), range->notes.begin(),
+                              range->notes.end());
+        if (!arguments.surface_out.empty()) {
+            SATEEN_TRY(const auto written,
+                       write_maps(arguments.surface_out, range->height_px, range->normals,
+                                  range->albedo, "albedo.png",
+                                  measurement->info().pixels_per_mm, *executor));
+        }
+    }
     SATEEN_TRY(const std::size_t bytes,
                save_material(arguments.output, analysis.material));
+    result.bytes = bytes;
     if (!arguments.report.empty()) {
         SATEEN_TRY(const std::string page,
                    model_page(analysis, *measurement, bytes, *executor, progress));
@@ -188,7 +244,8 @@ Verb add_model(CLI::App& program) {
         "model", "Analyse a measurement or photographs and write the material");
     verb->add_option("INPUT", arguments->inputs,
                      "A UBO2003 or ATRIUM zip or folder, a folder with\n"
-                     "directions.csv, or photographs of one material")
+                     "directions.csv, an RTI .lp file, or photographs of one\n"
+                     "material")
         ->type_name("")
         ->required();
     verb->add_option("-o,--output", arguments->output, "The material to write")
@@ -231,6 +288,22 @@ Verb add_model(CLI::App& program) {
         ->type_name("KIND")
         ->check(CLI::IsMember({"auto", "none"}))
         ->capture_default_str();
+    verb->add_option("--surface", arguments->surface,
+                     "Range map: auto (stereo where one view has five lights),\n"
+                     "stereo, shading (of one photograph), or none")
+        ->type_name("KIND")
+        ->check(CLI::IsMember({"auto", "stereo", "shading", "none"}))
+        ->capture_default_str();
+    verb->add_option("--surface-light", arguments->surface_light,
+                     "Of the photograph, for --surface shading; else estimated")
+        ->type_name("THETA,PHI")
+        ->check([](const std::string& text) {
+            (void)parse_direction(text);
+            return std::string();
+        });
+    verb->add_option("--surface-out", arguments->surface_out,
+                     "Write the estimated height, normal and albedo maps")
+        ->type_name("DIR");
     verb->add_option("--encoding", arguments->encoding,
                      "How files encode values: auto, srgb, gamma2.2 or linear")
         ->type_name("CURVE")

@@ -19,6 +19,7 @@
 #include "sateen/synthesis/synthesise.hpp"
 #include "sateen/synthesis/synthesise_direction.hpp"
 #include "sateen/synthesis/torus_size.hpp"
+#include "surface_maps.hpp"
 #include "verbs.hpp"
 
 namespace sateen::cli {
@@ -42,6 +43,7 @@ struct SynthesiseArguments {
     bool recursive = false;
     bool all = false;
     bool three_nearest = false;
+    bool maps = false;
 };
 
 /// The size that was asked for, or the one near it on which the pattern is strained least.
@@ -100,14 +102,7 @@ Result<std::vector<std::string>> write_all(const SynthesiseArguments& arguments,
                                            const Material& material,
                                            const TorusSize& size, Executor& executor,
                                            Progress& progress) {
-    std::error_code failure;
-    if (std::filesystem::exists(arguments.output, failure) &&
-        !std::filesystem::is_directory(arguments.output, failure))
-        return Error{Errc::io, arguments.output + ": is a file, expected a folder"};
-    std::filesystem::create_directories(arguments.output, failure);
-    if (failure)
-        return Error{Errc::io, fmt::format("{}: cannot create the folder: {}",
-                                           arguments.output, failure.message())};
+    SATEEN_CHECK(make_folder(arguments.output));
     std::vector<std::size_t> subspaces;
     for (std::size_t k = 0; k < material.subspaces.size(); ++k) subspaces.push_back(k);
     std::vector<std::string> written;
@@ -136,14 +131,18 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
     std::vector<std::string> written = {arguments.output};
     const std::size_t subspace = arguments.subspace.value_or(nearest_subspace(
         material, parse_direction(arguments.view), parse_direction(arguments.light)));
-    if (arguments.all) {
+    if (arguments.maps) {
+        SATEEN_TRY(written,
+                   draw_maps(arguments.output, material,
+                             synthesis_options(arguments, size), *executor, progress));
+    } else if (arguments.all) {
         SATEEN_TRY(written, write_all(arguments, material, size, *executor, progress));
     } else {
         SATEEN_CHECK(write_one(arguments, material, size, *executor, progress));
     }
 
     progress.clear();
-    const bool tileable = arguments.tileable || arguments.all;
+    const bool tileable = arguments.tileable || arguments.all || arguments.maps;
     if (tileable && size.strain > kNoticeableStrain) {
         const TorusSize better = best_torus(material, size.rows, size.cols);
         if (better.strain < size.strain)
@@ -162,7 +161,7 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
         json["size"] = {size.cols, size.rows};
         if (tileable && material.structure) json["strain"] = size.strain;
         json["seed"] = arguments.common.seed;
-        if (!arguments.all) json["subspace"] = subspace;
+        if (!arguments.all && !arguments.maps) json["subspace"] = subspace;
         json["seconds"] = elapsed.count();
         print_json(json);
     } else {
@@ -183,8 +182,9 @@ Verb add_synthesise(CLI::App& program) {
     verb->add_option("MATERIAL", arguments->material, "The material, NAME.sateen")
         ->type_name("")
         ->required();
-    verb->add_option("-o,--output", arguments->output,
-                     "Image file: .png, .jpg, .exr or .tif; with --all a folder")
+    verb->add_option(
+            "-o,--output", arguments->output,
+            "Image file: .png, .jpg, .exr or .tif; with --all and --maps a folder")
         ->type_name("OUT")
         ->required();
     const auto checked = [](auto parse) {
@@ -222,6 +222,9 @@ Verb add_synthesise(CLI::App& program) {
                          ->check(whole_number_up_to(kMaxSubspaces - 1));
     auto* all = verb->add_flag("--all", arguments->all,
                                "Tileable textures of every subspace, into a folder");
+    auto* maps = verb->add_flag("--maps", arguments->maps,
+                                "Aligned tileable maps into a folder: base_colour.png,\n"
+                                "height.png and normal.png (16 bit), maps.json");
     verb->add_flag("--recursive", arguments->recursive,
                    "Draw by causal recursion, as paper-mode materials are");
     verb->add_option("--bits", arguments->bits,
@@ -238,6 +241,7 @@ Verb add_synthesise(CLI::App& program) {
     offset->excludes(tileable)->excludes(all);
     for (CLI::Option* other : {view, light, subspace}) other->excludes(all);
     subspace->excludes(view)->excludes(light);
+    for (CLI::Option* other : {offset, view, light, subspace, all}) other->excludes(maps);
     arguments->common.add_to(*verb);
     verb->footer(
         "Examples:\n"

@@ -28,7 +28,7 @@ constexpr std::size_t kWidest = 3;
 // A shifted row of tiles must agree so much better than an unshifted one.
 constexpr double kShearGain = 0.8;
 // Steps across the borders of a torus are those of the inside, but for chance.
-constexpr double kToroidalStep = 1.4;
+constexpr double kToroidalStep = 1.6;
 // Pixels along the border that are equal in all tiles: slopes across it are, too.
 constexpr std::size_t kEqualBorder = 2;
 

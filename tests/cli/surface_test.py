@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""sateen model --surface, synthesise --maps: range maps from photographs with known lights."""
+
+import json
+import math
+import unittest
+
+from support import CliTest, png, photograph
+
+SIDE = 48
+LIGHTS = [(t, p) for t in (20, 40, 55) for p in (10, 100, 190, 280)]
+
+
+def slope(row, col):
+    """∂z/∂x and ∂z/∂y (up) of a torus with relief along both."""
+    turn = 2 * math.pi / SIDE
+    p = 0.5 * math.cos(3 * turn * col)
+    q = 0.3 * math.sin(2 * turn * row)
+    return p, q
+
+
+def encode(value):
+    value = min(1, max(0, value))
+    code = 12.92 * value if value < 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055
+    return round(65535 * code)
+
+
+def picture(theta, phi):
+    t, f = math.radians(theta), math.radians(phi)
+    light = (math.sin(t) * math.cos(f), math.sin(t) * math.sin(f), math.cos(t))
+    rows = []
+    for row in range(SIDE):
+        line = []
+        for col in range(SIDE):
+            p, q = slope(row, col)
+            w = math.sqrt(1 + p * p + q * q)
+            shading = max(0, (-p * light[0] - q * light[1] + light[2]) / w)
+            line += [encode(0.6 * shading), encode(0.5 * shading), encode(0.3 * shading)]
+        rows.append(line)
+    return png(rows, SIDE, bits=16)
+
+
+class Surfaces(CliTest):
+    def icon(self):
+        lines = [str(len(LIGHTS))]
+        for i, (theta, phi) in enumerate(LIGHTS):
+            self.file(f"icon/light {i:02}.png", picture(theta, phi))
+            t, f = math.radians(theta), math.radians(phi)
+            x, y = math.sin(t) * math.cos(f), math.sin(t) * math.sin(f)
+            lines.append(f"light {i:02}.png {x:.9f} {y:.9f} {math.cos(t):.9f}")
+        return self.file("icon/dirs.lp", "\n".join(lines).encode())
+
+    def test_a_light_position_file_gives_a_range_map(self):
+        path = self.icon()
+        report = self.succeed_with_json(
+            "model", path, "-o", "m.sateen", "--surface-out", "maps"
+        )
+        self.assertEqual(report["surface"]["size"], [SIDE, SIDE])
+        self.assertEqual(report["surface"]["tiles"], 4)
+        info = self.succeed_with_json("info", "m.sateen")
+        self.assertEqual(info["name"], "icon")
+        self.assertGreater(info["payload_bytes"]["surface"], 0)
+        # Amplitudes slope / frequency of both waves.
+        turn = 2 * math.pi / SIDE
+        height = 2 * (0.5 / (3 * turn) + 0.3 / (2 * turn))
+        found = info["surface"]["highest_px"] - info["surface"]["lowest_px"]
+        # Joining tiles may lift them a little.
+        self.assertAlmostEqual(found, height, delta=0.2 * height)
+        maps = json.loads((self.folder / "maps/maps.json").read_text())
+        found = maps["height"]["highest_px"] - maps["height"]["lowest_px"]
+        self.assertAlmostEqual(found, height, delta=0.05 * height)
+        names = sorted(p.name for p in (self.folder / "maps").iterdir())
+        self.assertEqual(names, ["albedo.png", "height.png", "maps.json", "normal.png"])
+        self.assertEqual(self.leftovers(), [])
+
+    def test_maps_of_any_size(self):
+        self.succeed("model", self.icon(), "-o", "m.sateen")
+        for size in ("96x48", "70x50"):
+            report = self.succeed_with_json(
+                "synthesise", "m.sateen", "-o", "out", "--maps", "--size", size
+            )
+            self.assertEqual(len(report["written"]), 4)
+            header = (self.folder / "out/height.png").read_bytes()[16:25]
+            cols, rows = size.split("x")
+            self.assertEqual(int.from_bytes(header[:4], "big"), int(cols))
+            self.assertEqual(int.from_bytes(header[4:8], "big"), int(rows))
+            self.assertEqual(header[8], 16)
+
+    def test_a_photograph_has_a_surface_if_asked(self):
+        self.file("stone.png", photograph(64, 64))
+        report = self.succeed_with_json("model", "stone.png", "-o", "m.sateen")
+        self.assertNotIn("surface", report)
+        options = ["--surface", "shading"]
+        report = self.succeed_with_json("model", "stone.png", "-o", "m.sateen", *options)
+        self.assertIn("surface", report)
+        self.assertTrue(any("light estimated" in note for note in report["notes"]))
+        options += ["--surface-light", "45,120"]
+        report = self.succeed_with_json("model", "stone.png", "-o", "m.sateen", *options)
+        self.assertEqual(report["notes"], [])
+
+    def test_says_what_is_missing(self):
+        self.file("stone.png", photograph(64, 64))
+        self.refuse(
+            "model", "stone.png", "-o", "m.sateen", "--surface", "stereo",
+            names=["stone", "without directions"],
+        )
+        self.refuse(
+            "model", "stone.png", "-o", "m.sateen", "--surface-out", "maps",
+            names=["--surface-out", "--surface shading"],
+        )
+        self.assertFalse((self.folder / "m.sateen").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
