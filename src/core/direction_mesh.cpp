@@ -387,7 +387,8 @@ DirectionWeights DirectionMesh::nearest_three(const std::array<float, 3>& d) con
         out.index[k] = static_cast<std::uint16_t>(near[k]);
     const auto corner = [&](std::size_t k) {
         const auto& v = vectors_[near[k]];
-        return Vec{v[0], v[1], v[2]};
+        return Vec{static_cast<double>(v[0]), static_cast<double>(v[1]),
+                   static_cast<double>(v[2])};
     };
     out.weight = {1, 0, 0};
     const double determinant = dot(corner(0), cross(corner(1), corner(2)));
