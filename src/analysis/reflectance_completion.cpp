@@ -19,7 +19,8 @@ std::vector<Vec> unit_vectors(std::span<const Direction> directions) {
     std::vector<Vec> out;
     for (const Direction d : directions) {
         const auto v = to_vector(d);
-        out.push_back({v[0], v[1], v[2]});
+        out.push_back({static_cast<double>(v[0]), static_cast<double>(v[1]),
+                       static_cast<double>(v[2])});
     }
     return out;
 }

@@ -29,11 +29,11 @@ inline std::uint16_t predicted_code(std::span<const std::uint16_t> codes,
 
 inline std::uint16_t fold(std::uint16_t residual) {
     const auto sign = static_cast<std::uint16_t>(residual >> 15U) != 0 ? 0xFFFFU : 0U;
-    return static_cast<std::uint16_t>((residual << 1U) ^ sign);
+    return static_cast<std::uint16_t>((std::uint32_t{residual} << 1U) ^ sign);
 }
 inline std::uint16_t unfold(std::uint16_t folded) {
     const auto sign = (folded & 1U) != 0 ? 0xFFFFU : 0U;
-    return static_cast<std::uint16_t>((folded >> 1U) ^ sign);
+    return static_cast<std::uint16_t>((std::uint32_t{folded} >> 1U) ^ sign);
 }
 
 /// Appends the folded residuals of a tile, low and high bytes apart.
