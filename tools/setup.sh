@@ -11,6 +11,8 @@ TEST_PACKAGES="libgtest-dev libgmock-dev libfftw3-dev librandom123-dev python3"
 # What the viewer needs: a compiler to WebAssembly, and a browser to test in.
 WASM_PACKAGES="emscripten"
 BROWSER_PACKAGES="chromium fonts-dejavu-core"
+# What tools/make_gallery.py needs: pictures are laid out by Pillow.
+GALLERY_PACKAGES="python3-pil fonts-dejavu-core"
 # What .ci/run needs besides.
 CI_PACKAGES="clang-14 libclang-rt-14-dev"
 

@@ -53,6 +53,14 @@ Json surface_json(const Surface& surface) {
             {"delit", surface.delit}};
 }
 
+/// Subspaces by light (rows) and view; null where nothing was measured.
+Json index_json(const Material& material) {
+    Json json(material.lights.size(), Json(material.views.size(), nullptr));
+    for (const IndexEntry& entry : material.index)
+        json[entry.light][entry.view] = entry.subspace;
+    return json;
+}
+
 Result<Json> describe_material(const std::string& path) {
     SATEEN_TRY(const auto bytes, read_file(path, kMaxPayloadBytes));
     SATEEN_TRY(const Material material, load_material(path));
@@ -75,6 +83,8 @@ Result<Json> describe_material(const std::string& path) {
     json["views"] = directions_json(material.views);
     json["lights"] = directions_json(material.lights);
     json["measured_pairs"] = material.index.size();
+    if (material.lights.size() * material.views.size() <= kMaxPairs)
+        json["index"] = index_json(material);
     json["subspaces"] = Json::array();
     for (const Subspace& subspace : material.subspaces) {
         std::size_t coefficients = 0;
@@ -135,7 +145,7 @@ void print_entry(const std::string& key, const Json& value) {
 
 void print_text(const Json& json) {
     for (const auto& [key, value] : json.items()) {
-        if (says_nothing(value)) continue;
+        if (says_nothing(value) || key == "index") continue;
         if (key == "subspaces") {
             print_entry(key, value.size());
             for (std::size_t k = 0; k < value.size(); ++k)

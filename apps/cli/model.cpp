@@ -89,8 +89,9 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
 /// Why the automatic field is what it is.
 nlohmann::ordered_json choice_json(const FieldChoice& choice) {
     nlohmann::ordered_json json = {
-        {"criterion", "Bayesian information n D + k ln n with Whittle's deviance D, smaller "
-                      "is better; all models take as many bytes a coefficient"},
+        {"criterion",
+         "Bayesian information n D + k ln n with Whittle's deviance D, smaller "
+         "is better; all models take as many bytes a coefficient"},
         {"fields",
          {{"car2d", choice.car2d}, {"gmrf2d", choice.gmrf2d}, {"car3d", choice.car3d}}},
         {"all_car2d", choice.information_car2d},
@@ -99,8 +100,9 @@ nlohmann::ordered_json choice_json(const FieldChoice& choice) {
     if (choice.information_car3d != 0)
         json["all_car3d"] = choice.information_car3d;
     else
-        json["not_considered"] = "car3d, which takes twice the bytes: for materials of one "
-                                 "subspace, if the budget allows";
+        json["not_considered"] =
+            "car3d, which takes twice the bytes: for materials of one "
+            "subspace, if the budget allows";
     return json;
 }
 
@@ -137,6 +139,7 @@ void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& resu
              {"field", field_names({&subspace, 1})},
              {"levels", subspace.levels.size()}});
     }
+    if (!analysis.eigenvalues.empty()) json["eigenvalues"] = analysis.eigenvalues;
     if (material.surface)
         json["surface"] = {{"size", {material.surface->cols, material.surface->rows}},
                            {"shear", material.surface->shear_px},

@@ -48,6 +48,7 @@ struct Representatives {
     std::vector<std::uint32_t> members;
     std::vector<std::uint8_t> labels;  ///< a subspace for every observation
     std::vector<ImageMoments> moments;
+    std::vector<double> eigenvalues;
 };
 
 Result<Representatives> choose_representatives(const Measurement& measurement,
@@ -81,6 +82,7 @@ Result<Representatives> choose_representatives(const Measurement& measurement,
     result.members = std::move(segments.members);
     result.labels = std::move(segments.labels);
     result.moments = std::move(segments.moments);
+    result.eigenvalues = std::move(segments.eigenvalues);
     return result;
 }
 
@@ -194,7 +196,7 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
                          Executor& executor, Progress& progress) {
     SATEEN_CHECK(check(options));
     const MeasurementInfo& info = measurement.info();
-    Analysis result{describe(info, options), info.skipped, {}, {}};
+    Analysis result{describe(info, options), info.skipped, {}, {}, {}};
     Material& material = result.material;
 
     // 1. Segment the BTF space into subspaces, each with its representative image.
@@ -202,6 +204,7 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
         const Representatives representatives,
         choose_representatives(measurement, options, result.notes, executor, progress));
     material.index = index_table(info, representatives.labels);
+    result.eigenvalues = representatives.eigenvalues;
     if (info.has_directions() && !options.paper && options.reflectance) {
         Result<Reflectance> reflectance = fit_reflectance(info, representatives);
         if (reflectance)

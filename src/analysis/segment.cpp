@@ -117,7 +117,8 @@ Features make_features(std::span<const Summary> summaries,
 
 struct Reduced {
     Features features;
-    double lost = 0;  // sum of squares that they leave out
+    double lost = 0;                  // sum of squares that they leave out
+    std::vector<double> eigenvalues;  // shares of all squares, descending
 };
 
 // The features in their leading principal components, which hold all but kLost of their
@@ -125,12 +126,17 @@ struct Reduced {
 // 192 tell all. Expects features of zero mean.
 Reduced reduce(const Features& features) {
     constexpr double kLost = 1e-3;
+    constexpr double kLeastShare = 1e-6;
     const Eigen::Index size = features.cols();
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(features.transpose());
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-    const double allowed = kLost * covariance.trace();
+    const double squares = covariance.trace();
+    const double allowed = kLost * squares;
     Reduced reduced;
+    for (Eigen::Index i = size;
+         i-- > 0 && eigen.eigenvalues()[i] > kLeastShare * squares;)
+        reduced.eigenvalues.push_back(eigen.eigenvalues()[i] / squares);
     Eigen::Index kept = size;  // eigenvalues ascend
     while (kept > 1) {
         const double next =
@@ -149,9 +155,8 @@ Reduced reduce(const Features& features) {
 // falls with their number. The search makes do with two starts (one finds a cluster too
 // many on real materials): all of them, the same two included, can only explain more, so
 // the share is always met, if possibly with more clusters than the best starts would need.
-Clustering cluster(const Features& features, const SegmentationOptions& options,
-                   Executor& executor) {
-    const Reduced reduced = reduce(features);
+Clustering cluster(const Features& features, const Reduced& reduced,
+                   const SegmentationOptions& options, Executor& executor) {
     const PlaneView<const double> points(
         reduced.features.data(), static_cast<std::size_t>(reduced.features.rows()),
         static_cast<std::size_t>(reduced.features.cols()));
@@ -280,7 +285,9 @@ Result<Segmentation> segment(const Measurement& measurement,
     // 2. Cluster them by their features.
     Features features = make_features(summaries, readable, options.orientation_weight);
     features.rowwise() -= features.colwise().mean().eval();
-    Clustering clustering = cluster(features, options, executor);
+    Reduced reduced = reduce(features);
+    Clustering clustering = cluster(features, reduced, options, executor);
+    result.eigenvalues = std::move(reduced.eigenvalues);
     if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while segmenting"};
     sort_by_lightness(clustering, lightness);
 

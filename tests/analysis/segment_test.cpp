@@ -119,6 +119,16 @@ TEST(Segment, RecoversPlantedSubspacesFromDarkToLight) {
     }
 }
 
+TEST(Segment, TellsTheSharesOfThePrincipalComponents) {
+    // Four subspaces span three dimensions; what differs within them is small.
+    const Segmentation found = run(PaintedMeasurement(6, 10, planted), {});
+    const std::vector<double>& shares = found.eigenvalues;
+    ASSERT_GE(shares.size(), 3U);
+    EXPECT_TRUE(std::ranges::is_sorted(shares, std::greater<>()));
+    EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), 1, 1e-3);
+    EXPECT_GT(shares[0] + shares[1] + shares[2], 0.95);
+}
+
 TEST(Segment, ExplainsTheShareThatWasAskedForWithNoMoreSubspacesThanItTakes) {
     // Lightness in 40 even steps.
     const PaintedMeasurement measurement(5, 8, [](std::size_t i) {

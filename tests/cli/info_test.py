@@ -35,6 +35,8 @@ class Info(CliTest):
         self.assertEqual(info["source"]["layout"], "ubo2003")
         self.assertEqual(info["source"]["options"], options)
         self.assertEqual(info["measured_pairs"], 9)
+        self.assertEqual([len(row) for row in info["index"]], [3, 3, 3])
+        self.assertEqual({k for row in info["index"] for k in row}, {0, 1})
         self.assertEqual(len(info["subspaces"]), 2)
         measured = self.succeed_with_json("info", "ubo")
         self.assertEqual(info["source"]["checksum"], measured["checksum"])

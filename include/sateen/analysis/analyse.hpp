@@ -21,6 +21,9 @@ struct Analysis {
     /// For each subspace the observation that represents it.
     std::vector<std::size_t> representatives;
     FieldChoice choice;  ///< of FieldKind::automatic
+    /// Of the features that the BTF space was segmented by, see Segmentation; empty for
+    /// photographs.
+    std::vector<double> eigenvalues;
 };
 
 /// Makes the material of a measurement: segments the BTF space, then for each

@@ -44,7 +44,10 @@ struct Segmentation {
         representatives;                 ///< observation per subspace, a member of it
     std::vector<std::uint32_t> members;  ///< observations per subspace, at least 1
     double explained = 0;  ///< share of the variance of the features; 0 for one subspace
-    PassReport pass;       ///< of the reading of the images
+    /// Shares of that variance along the principal components of the features, descending,
+    /// as many as there are not below 1e-6 [CAR2, figure 4].
+    std::vector<double> eigenvalues;
+    PassReport pass;                    ///< of the reading of the images
     std::vector<ImageMoments> moments;  ///< of every observation that could be read
 };
 
