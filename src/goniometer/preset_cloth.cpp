@@ -68,6 +68,19 @@ TubeCanvas woven(std::size_t side, NoiseKey key, const Weave& weave,
     return canvas;
 }
 
+/// What `spot(u, v, top)` makes of the yarns, its height added to theirs; `gap` is between
+/// them.
+template <class F>
+SurfaceMaps paint_yarns(const TubeCanvas& canvas, const Spot& gap, const F& spot) {
+    return paint(canvas.side(), [&](float u, float v, std::size_t r, std::size_t c) {
+        const Uppermost& top = canvas.at(r, c);
+        if (top.yarn < 0) return gap;
+        Spot yarn = spot(u, v, top);
+        yarn.height += top.z;
+        return yarn;
+    });
+}
+
 }  // namespace
 
 SurfaceMaps corduroy(std::size_t side, std::uint64_t seed) {
@@ -75,23 +88,25 @@ SurfaceMaps corduroy(std::size_t side, std::uint64_t seed) {
     constexpr int kRibs = 11;
     constexpr float kTufts = 52;
     return paint(side, [&](float u, float v, std::size_t, std::size_t) {
-        const float sway = 0.10F * fractal_noise(key(1), u, v, kRibs, 8, 2);
+        // The ends of the pile, bent this way and that, fray the edges of a rib.
+        const float fray = fractal_noise(key(6), u, v, 6 * kRibs, 70, 2, 0.7F);
+        const float sway =
+            0.10F * fractal_noise(key(1), u, v, kRibs, 8, 2) + 0.16F * fray;
         const float across = kRibs * u + sway;
         const auto rib = static_cast<std::int32_t>(std::floor(across)) % kRibs;
         const float s = 2 * std::abs(across - std::floor(across) - 0.5F);
-        const float dome = std::sqrt(std::max(0.0F, 1 - s * s / (0.9F * 0.9F)));
-        const float pile = std::pow(dome, 0.7F);
+        const float pile = 1 - smooth_step(0.42F, 1.0F, s);
         // The tufts of one weft are combed together; rows of them show along the rib.
         const float shift = uniform(key(2), rib, 0);
         const float tuft = std::cos(kTurn * (kTufts * v + shift) +
                                     2.5F * gradient_noise(key(3), u, v, kRibs * 2, 26));
-        const float fuzz = fractal_noise(key(4), u, v, 110, 60, 2, 0.7F);
+        const float fuzz = fractal_noise(key(4), u, v, 130, 60, 2, 0.7F);
         const float worn = fractal_noise(key(5), u, v, 5, 5, 3);
         Spot spot;
-        spot.height =
-            0.030F * pile + 0.0016F * pile * tuft + 0.004F * pile * fuzz + 0.002F * worn;
-        const float shade =
-            (0.38F + 0.62F * pile) * (1 + 0.10F * tuft + 0.45F * fuzz + 0.15F * worn);
+        spot.height = 0.018F * pile + 0.0011F * pile * tuft +
+                      0.0050F * (0.3F + pile) * fuzz + 0.002F * worn;
+        const float shade = (0.36F + 0.64F * pile) * (1 + 0.08F * tuft + 0.55F * fuzz +
+                                                      0.20F * worn + 0.25F * fray);
         spot.colour = scaled({0.34F, 0.175F, 0.062F}, std::max(0.05F, shade));
         spot.roughness = 0.9F;
         return spot;
@@ -103,27 +118,24 @@ SurfaceMaps plain_weave(std::size_t side, std::uint64_t seed) {
     constexpr Weave kWeave{16, 0.50F, 0.55F, 0.42F, 0.50F};
     const TubeCanvas canvas =
         woven(side, key(1), kWeave, [](int i, int j) { return (i + j) % 2 == 0; });
-    return paint(side, [&](float u, float v, std::size_t r, std::size_t c) {
-        const Uppermost& top = canvas.at(r, c);
-        const float ply = plies(top, 3, 11);
-        const float slub = fractal_noise(key(2), u, v, 12, 12, 3);
-        const float fuzz = fractal_noise(key(3), u, v, 90, 90, 2, 0.7F);
-        Spot spot;
-        if (top.yarn < 0) {
-            spot.height = -0.035F;
-            spot.colour = {0.06F, 0.05F, 0.035F};
+    return paint_yarns(
+        canvas, {.height = -0.035F, .colour = {0.06F, 0.05F, 0.035F}},
+        [&](float u, float v, const Uppermost& top) {
+            const float ply = plies(top, 3, 11);
+            const float slub = fractal_noise(key(2), u, v, 12, 12, 3);
+            const float fuzz = fractal_noise(key(3), u, v, 90, 90, 2, 0.7F);
+            const float tone = uniform(key(4), top.yarn, 0) - 0.5F;
+            const bool warp = top.yarn < kWeave.threads;
+            const Colour flax =
+                warp ? Colour{0.56F, 0.48F, 0.345F} : Colour{0.50F, 0.415F, 0.285F};
+            Spot spot;
+            spot.height = 0.0022F * ply + 0.0012F * fuzz + 0.003F * slub;
+            spot.colour =
+                scaled(flax, (0.72F + 0.28F * ply) *
+                                 (1 + 0.22F * tone + 0.3F * slub + 0.3F * fuzz));
+            spot.roughness = 0.75F;
             return spot;
-        }
-        spot.height = top.z + 0.0022F * ply + 0.0012F * fuzz + 0.003F * slub;
-        const float tone = uniform(key(4), top.yarn, 0) - 0.5F;
-        const bool warp = top.yarn < kWeave.threads;
-        const Colour flax =
-            warp ? Colour{0.56F, 0.48F, 0.345F} : Colour{0.50F, 0.415F, 0.285F};
-        spot.colour = scaled(
-            flax, (0.72F + 0.28F * ply) * (1 + 0.22F * tone + 0.3F * slub + 0.3F * fuzz));
-        spot.roughness = 0.75F;
-        return spot;
-    });
+        });
 }
 
 SurfaceMaps twill(std::size_t side, std::uint64_t seed) {
@@ -131,29 +143,27 @@ SurfaceMaps twill(std::size_t side, std::uint64_t seed) {
     constexpr Weave kWeave{24, 0.54F, 0.6F, 0.55F, 0.46F};
     const TubeCanvas canvas =
         woven(side, key(1), kWeave, [](int i, int j) { return (i + j) % 4 != 0; });
-    return paint(side, [&](float u, float v, std::size_t r, std::size_t c) {
-        const Uppermost& top = canvas.at(r, c);
-        const float ply = plies(top, 2, 16);
-        const float slub = fractal_noise(key(2), u, v, 24, 5, 3);
-        const float fuzz = fractal_noise(key(3), u, v, 100, 100, 2, 0.7F);
-        Spot spot;
-        if (top.yarn < 0) {
-            spot.height = -0.03F;
-            spot.colour = {0.02F, 0.02F, 0.03F};
+    return paint_yarns(
+        canvas, {.height = -0.03F, .colour = {0.02F, 0.02F, 0.03F}},
+        [&](float u, float v, const Uppermost& top) {
+            const float ply = plies(top, 2, 16);
+            const float slub = fractal_noise(key(2), u, v, 24, 5, 3);
+            const float fuzz = fractal_noise(key(3), u, v, 100, 100, 2, 0.7F);
+            const float tone = uniform(key(4), top.yarn, 0) - 0.5F;
+            // Indigo does not reach the core of a yarn: raised parts wear pale.
+            const float worn = std::clamp(
+                0.28F * ply + 0.7F * slub + 0.25F * fuzz - 0.06F + 0.25F * tone, 0.0F,
+                1.0F);
+            const Colour blue =
+                mixed({0.035F, 0.06F, 0.145F}, {0.30F, 0.36F, 0.46F}, worn);
+            const bool warp = top.yarn < kWeave.threads;
+            Spot spot;
+            spot.height = 0.0014F * ply + 0.001F * fuzz + 0.002F * slub;
+            spot.colour = scaled(warp ? blue : Colour{0.56F, 0.55F, 0.50F},
+                                 1 + 0.3F * fuzz + 0.15F * tone);
+            spot.roughness = 0.8F;
             return spot;
-        }
-        const bool warp = top.yarn < kWeave.threads;
-        spot.height = top.z + 0.0014F * ply + 0.001F * fuzz + 0.002F * slub;
-        const float tone = uniform(key(4), top.yarn, 0) - 0.5F;
-        // Indigo does not reach the core of a yarn: raised parts wear pale.
-        const float worn = std::clamp(
-            0.28F * ply + 0.7F * slub + 0.25F * fuzz - 0.06F + 0.25F * tone, 0.0F, 1.0F);
-        const Colour blue = mixed({0.035F, 0.06F, 0.145F}, {0.30F, 0.36F, 0.46F}, worn);
-        const Colour white = {0.56F, 0.55F, 0.50F};
-        spot.colour = scaled(warp ? blue : white, 1 + 0.3F * fuzz + 0.15F * tone);
-        spot.roughness = 0.8F;
-        return spot;
-    });
+        });
 }
 
 SurfaceMaps knit(std::size_t side, std::uint64_t seed) {
@@ -182,23 +192,20 @@ SurfaceMaps knit(std::size_t side, std::uint64_t seed) {
         }
         canvas.draw(course, axis, kRadius, 0.85F);
     }
-    return paint(side, [&](float u, float v, std::size_t r, std::size_t c) {
-        const Uppermost& top = canvas.at(r, c);
-        const float ply = plies(top, 3, 10);
-        const float fuzz = fractal_noise(key(2), u, v, 80, 80, 2, 0.7F);
-        const float heather = fractal_noise(key(3), u, v, 40, 40, 3, 0.7F);
-        Spot spot;
-        if (top.yarn < 0) {
-            spot.height = -0.06F;
-            spot.colour = {0.03F, 0.01F, 0.01F};
+    return paint_yarns(
+        canvas, {.height = -0.06F, .colour = {0.03F, 0.01F, 0.01F}},
+        [&](float u, float v, const Uppermost& top) {
+            const float ply = plies(top, 3, 10);
+            const float fuzz = fractal_noise(key(2), u, v, 80, 80, 2, 0.7F);
+            const float heather = fractal_noise(key(3), u, v, 40, 40, 3, 0.7F);
+            Spot spot;
+            spot.height = 0.005F * ply + 0.0025F * fuzz;
+            spot.colour =
+                scaled({0.42F, 0.075F, 0.055F},
+                       (0.62F + 0.38F * ply) * (1 + 0.45F * fuzz + 0.4F * heather));
+            spot.roughness = 0.92F;
             return spot;
-        }
-        spot.height = top.z + 0.005F * ply + 0.0025F * fuzz;
-        spot.colour = scaled({0.42F, 0.075F, 0.055F},
-                             (0.62F + 0.38F * ply) * (1 + 0.45F * fuzz + 0.4F * heather));
-        spot.roughness = 0.92F;
-        return spot;
-    });
+        });
 }
 
 }  // namespace sateen::goniometer

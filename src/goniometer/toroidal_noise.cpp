@@ -108,6 +108,8 @@ Cell cell_at(NoiseKey key, float u, float v, int across, int down) {
     Point first;
     Point second;
     Cell cell;
+    std::array<Point, 25> points;
+    std::size_t count = 0;
     // A point two cells away can be the second nearest.
     for (std::int32_t j = j0 - 2; j <= j0 + 2; ++j)
         for (std::int32_t i = i0 - 2; i <= i0 + 2; ++i) {
@@ -120,6 +122,7 @@ Cell cell_at(NoiseKey key, float u, float v, int across, int down) {
             Point point{place(i, to_unit(random)) - x,
                         place(j, to_unit(random >> 32)) - y};
             point.squared = point.dx * point.dx + point.dy * point.dy;
+            points[count++] = point;
             if (point.squared < first.squared) {
                 second = first;
                 first = point;
@@ -132,6 +135,15 @@ Cell cell_at(NoiseKey key, float u, float v, int across, int down) {
     cell.nearest = std::sqrt(first.squared);
     const float apart = std::hypot(second.dx - first.dx, second.dy - first.dy);
     cell.border = (second.squared - first.squared) / (2 * apart);
+    constexpr float kSharpness = 9;
+    float nearness = 0;
+    for (const Point& point : points) {
+        if (point.squared == first.squared) continue;
+        const float distance = std::hypot(point.dx - first.dx, point.dy - first.dy);
+        nearness +=
+            std::exp(-kSharpness * (point.squared - first.squared) / (2 * distance));
+    }
+    cell.rounded = -std::log(nearness) / kSharpness;
     return cell;
 }
 

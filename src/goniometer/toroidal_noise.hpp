@@ -28,6 +28,9 @@ struct NoiseKey {
 struct Cell {
     float nearest = 0;   ///< distance to the nearest point, in cells
     float border = 0;    ///< distance to the border with the second nearest, in cells
+    /// The softened minimum of the distances to all borders, in cells: round where several
+    /// cells meet, below 0 near corners.
+    float rounded = 0;
     std::int32_t i = 0;  ///< whose it is
     std::int32_t j = 0;
 };
