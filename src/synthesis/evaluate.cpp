@@ -70,14 +70,17 @@ Evaluator::Directional Evaluator::prepare(const std::array<float, 3>& view,
     Directional at;
     at.view = view;
     at.light = light;
-    float contrast = 0;
+    FactorShape shading;
     if (delit_ && light[2] > 0) {
         const ShadingMoments moments = shading_moments(light);
         const float mean = std::max(moments.mean, 1e-4F);
         at.shading_scale = 1 / mean;
-        contrast = std::sqrt(std::max(0.0F, moments.mean_square / (mean * mean) - 1));
+        shading.square = std::log(std::max(1.0F, moments.mean_square / (mean * mean)));
+        shading.root = std::max(
+            0.0F, 4 * std::log(mean / std::max(moments.mean_root * moments.mean_root,
+                                               1e-4F * mean)));
     }
-    at.blend = interpolation_.at(view, light, contrast);
+    at.blend = interpolation_.at(view, light, shading);
     if (bands_ == 1) {
         at.blend.gain[1] = at.blend.gain[2] = at.blend.gain[0];
         at.blend.offset[1] = at.blend.offset[2] = at.blend.offset[0];
@@ -95,7 +98,7 @@ std::array<float, 3> Evaluator::texture(const Blend& blend, float u, float v) co
     return {value[0], value[1], value[2]};
 }
 
-//     value_c = max(0, offset_c + gain_c x_c s),  x the blend, s the shading of mean 1
+//     value_c = max(0, offset_c + gain_c (x_c s)^power),  x the blend, s the shading of mean 1
 std::array<float, 3> Evaluator::sample(const Directional& at, float u, float v) const {
     float shading = 1;
     if (mode_ != Relief::none) {
@@ -112,8 +115,7 @@ std::array<float, 3> Evaluator::sample(const Directional& at, float u, float v) 
     }
     const std::array<float, 3> x = texture(at.blend, u, v);
     std::array<float, 3> out;
-    for (std::size_t c = 0; c < 3; ++c)
-        out[c] = std::max(0.0F, at.blend.offset[c] + at.blend.gain[c] * x[c] * shading);
+    for (std::size_t c = 0; c < 3; ++c) out[c] = value_of(at.blend, c, x[c] * shading);
     return out;
 }
 

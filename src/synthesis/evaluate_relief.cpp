@@ -109,6 +109,7 @@ void Evaluator::tabulate_shading() {
                                             (1 - s) / (1 + s)};
             double sum = 0;
             double squares = 0;
+            double roots = 0;
             double count = 0;
             for (std::size_t i = 0; i < side_ * side_; i += every, ++count) {
                 const float* n = relief_.data() + 4 * i;
@@ -116,9 +117,11 @@ void Evaluator::tabulate_shading() {
                     std::max(0.0F, n[0] * l[0] + n[1] * l[1] + n[2] * l[2]));
                 sum += shading;
                 squares += shading * shading;
+                roots += std::sqrt(shading);
             }
             moments_[r * kMomentSide + c] = {static_cast<float>(sum / count),
-                                             static_cast<float>(squares / count)};
+                                             static_cast<float>(squares / count),
+                                             static_cast<float>(roots / count)};
         }
 }
 
@@ -140,7 +143,8 @@ ShadingMoments Evaluator::shading_moments(const std::array<float, 3>& light) con
         return (1 - py) * ((1 - px) * at[0].*part + px * at[1].*part) +
                py * ((1 - px) * at[kMomentSide].*part + px * at[kMomentSide + 1].*part);
     };
-    return {mix(&ShadingMoments::mean), mix(&ShadingMoments::mean_square)};
+    return {mix(&ShadingMoments::mean), mix(&ShadingMoments::mean_square),
+            mix(&ShadingMoments::mean_root)};
 }
 
 }  // namespace sateen

@@ -30,12 +30,27 @@ float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 // above the only measured one is at most so much stronger.
 constexpr float kMaxCosineRatio = 4;
 
+// Least and most of h/C of a blend: 1 for lognormal values, 4 where a square root changes no
+// contrast, as where all is either black or white.
+constexpr float kLeastRoot = 0.5F;
+constexpr float kMostRoot = 2.83F;
+constexpr float kLeastPower = 0.5F;
+// Blends of less than this for C, a contrast of 10^-4, are left alone.
+constexpr float kUniform = 1e-8F;
+
+// -8 ln E[√(x / mean)]
+double root_shape(double mean, double root_mean) {
+    if (!(mean > 0) || !(root_mean > 0)) return 0;
+    return std::max(0.0, -8 * std::log(root_mean / std::sqrt(mean)));
+}
+
 }  // namespace
 
 TextureMoments texture_moments(std::span<const Image> textures) {
     TextureMoments moments;
     const std::size_t n = textures.size();
     moments.mean.resize(n);
+    moments.shape.resize(n);
     moments.covariance.resize(n * n);
     if (n == 0) return moments;
     const std::size_t pixels = textures[0].plane_size();
@@ -49,12 +64,34 @@ TextureMoments texture_moments(std::span<const Image> textures) {
         }
         const float mean = luminance(moments.mean[k], bands);
         deviations[k].resize(pixels);
+        std::array<double, 4> roots{};
         for (std::size_t i = 0; i < pixels; ++i) {
             std::array<float, 3> colour{};
-            for (std::size_t b = 0; b < bands; ++b)
+            for (std::size_t b = 0; b < bands; ++b) {
                 colour[b] = textures[k].plane(b).data[i];
-            deviations[k][i] = luminance(colour, bands) - mean;
+                roots[b] += static_cast<double>(std::sqrt(colour[b]));
+            }
+            const float Y = luminance(colour, bands);
+            roots[3] += static_cast<double>(std::sqrt(Y));
+            deviations[k][i] = Y - mean;
         }
+        const auto root = [&](float of, double sum) {
+            return root_shape(static_cast<double>(of), sum / static_cast<double>(pixels));
+        };
+        const double variance =
+            std::inner_product(deviations[k].begin(), deviations[k].end(),
+                               deviations[k].begin(), 0.0) /
+            static_cast<double>(pixels);
+        const auto Y = static_cast<double>(mean);
+        const double C = Y > 0 ? std::log1p(variance / (Y * Y)) : 0.0;
+        const double h = root(mean, roots[3]);
+        moments.shape[k] = {1, 1, 1, 0};
+        // Of nearly uniform textures it is rounding.
+        if (!(C > 1e-5)) continue;
+        for (std::size_t b = 0; b < bands; ++b)
+            moments.shape[k][b] =
+                static_cast<float>(root(moments.mean[k][b], roots[b]) / h);
+        moments.shape[k][3] = static_cast<float>((h - C) / (C * C));
     }
     for (std::size_t j = 0; j < n; ++j)
         for (std::size_t k = 0; k <= j; ++k) {
@@ -71,6 +108,8 @@ Result<DirectionalInterpolation> DirectionalInterpolation::create(
     const InterpolationOptions& options) {
     DirectionalInterpolation out;
     out.moments_ = std::move(moments);
+    for (const std::array<float, 3>& mean : out.moments_.mean)
+        out.luminances_.push_back(luminance(mean, material.bands));
     out.options_ = options;
     out.bands_ = material.bands;
     out.cosine_included_ = material.cosine_included;
@@ -142,7 +181,7 @@ void DirectionalInterpolation::take_reflectance(const Reflectance& reflectance) 
 
 Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
                                    const std::array<float, 3>& light,
-                                   float shading_contrast) const {
+                                   const FactorShape& factor) const {
     Blend blend;
     blend.count = 1;
     blend.weight[0] = 1;
@@ -198,11 +237,16 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
     // 3. Mean colour and contrast of these directions in place of the blend's own.
     const std::size_t n = moments_.mean.size();
     std::array<float, 3> mean{};
+    std::array<float, 4> shape{};
     float variance = 0;
+    float own = 0;
     for (std::size_t i = 0; i < blend.count; ++i) {
         const std::size_t k = blend.subspace[i];
+        const float Y = blend.weight[i] * luminances_[k];
+        own += Y;
         for (std::size_t b = 0; b < 3; ++b)
             mean[b] += blend.weight[i] * moments_.mean[k][b];
+        for (std::size_t c = 0; c < 4; ++c) shape[c] += Y * moments_.shape[k][c];
         const float* covariance = moments_.covariance.data() + k * n;
         float half = 0.5F * blend.weight[i] * covariance[k];
         for (std::size_t j = 0; j < i; ++j)
@@ -210,18 +254,39 @@ Blend DirectionalInterpolation::at(const std::array<float, 3>& view,
         variance += 2 * blend.weight[i] * half;
     }
     fade = cosine_for(root * root * root);
-    const float own = luminance(mean, bands_);
-    const float contrast = own > 0 ? std::sqrt(std::max(0.0F, variance)) / own : 0.0F;
-    const float s = shading_contrast * shading_contrast;
-    const float total = std::sqrt((1 + contrast * contrast) * (1 + s) - 1);
+    // ln E[t²] and -8 ln E[√t] of the texture, then of the texture times the factor.
+    float C = 0;
+    float h = 0;
+    if (own > 0) {
+        for (float& value : shape) value /= own;
+        C = std::log1p(std::max(0.0F, variance) / (own * own));
+        h = C + C * C * shape[3];
+    }
+    C += factor.square;
     const float wanted = std::max(0.0F, e[bands_]);
-    const float amplify =
-        total > 1e-4F ? std::min(kMaxContrastGain, wanted / total) : 1.0F;
+    float amplify = 1;
+    float slope = 0;  // of c_c / h_c in the power
+    if (C > kUniform) {
+        const float H = std::clamp(h + factor.root, kLeastRoot * C, kMostRoot * C);
+        // ln(1 + contrast²) of t^γ is H/4 at γ = ½, C at 1, and taken for C γ^p.
+        const float p = std::log2(4 * C / H);
+        const float power = std::pow(std::log1p(wanted * wanted) / C, 1 / p);
+        blend.power = std::clamp(power, kLeastPower, 1.0F);
+        // What is left for the straight line.
+        const float contrast = std::sqrt(std::expm1(C * std::pow(blend.power, p)));
+        amplify = std::min(kMaxContrastGain, wanted / contrast);
+        slope = (C / H - 1) / 1.5F;
+    }
+    const float gamma = blend.power;
+    const float curve = 0.5F * gamma * (1 - gamma) * (1 + slope * (gamma - 0.5F));
     for (std::size_t b = 0; b < bands_; ++b) {
         const float positive = std::max(0.0F, e[b]);
         const float target = fade * positive * positive * positive;
+        // μ^γ E[(x/μ)^γ], E[t^γ] = exp(-γ (1 - γ)/2 c(γ)), c linear through h at ½ and C at 2.
+        const float of_power =
+            std::pow(mean[b], gamma) * std::exp(-curve * (shape[b] * h + factor.root));
         blend.offset[b] = mean[b] > 0 ? target * (1 - amplify) : target;
-        blend.gain[b] = mean[b] > 0 ? target * amplify / mean[b] : 0;
+        blend.gain[b] = mean[b] > 0 ? target * amplify / of_power : 0;
     }
     return blend;
 }

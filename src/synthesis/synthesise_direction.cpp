@@ -52,7 +52,7 @@ void apply(const Blend& blend, ImageView<float> image) {
     for (std::size_t b = 0; b < image.bands; ++b) {
         float* plane = image.plane(b).data;
         for (std::size_t i = 0; i < image.plane_size(); ++i)
-            plane[i] = std::max(0.0F, blend.offset[b] + blend.gain[b] * plane[i]);
+            plane[i] = value_of(blend, b, plane[i]);
     }
 }
 

@@ -164,6 +164,75 @@ TEST(Evaluate, HasTheMeanColourAndContrastOfTheReflectance) {
     }
 }
 
+// A third of the texture is black, as where cast shadows fall.
+TEST(Evaluate, LowersContrastByAPowerThatKeepsMeanAndBlack) {
+    Material m = two_subspaces(0.5F);
+    for (Subspace& s : m.subspaces) s.spectral.mean = {0.2F};
+    const auto black_and_mean = [&](float wanted) {
+        m.reflectance = lambertian(m, 0.4F, wanted);
+        const Evaluator e = evaluator_of(m);
+        const auto directional = e.prepare(at(0, 0), at(0, 0));
+        EXPECT_LT(directional.blend.power, 0.95F);
+        float brightest = 0;
+        std::size_t black = 0;
+        for (std::size_t i = 0; i < 64 * 64; ++i) {
+            if (e.texels(0)[4 * i] > 0) continue;
+            ++black;
+            const float u = (static_cast<float>(i % 64) + 0.5F) / 64;
+            const float v = -(static_cast<float>(i / 64) + 0.5F) / 64;
+            brightest = std::max(brightest, e.sample(directional, u, v)[0]);
+        }
+        EXPECT_GT(black, 64U * 64 / 4);
+        return std::pair(brightest, moments_over_texture(e, at(0, 0), at(0, 0)));
+    };
+    const auto [black, shaped] = black_and_mean(0.98F);
+    EXPECT_LT(black, 2e-3F);
+    EXPECT_NEAR(shaped.mean, 0.4, 0.02);
+    EXPECT_NEAR(shaped.deviation / shaped.mean, 0.98, 0.05);
+    // No power of what is black or white has less contrast than the root.
+    const auto [lifted, flat] = black_and_mean(0.1F);
+    EXPECT_GT(lifted, 0.3F);
+    EXPECT_NEAR(flat.mean, 0.4, 1e-3);
+    EXPECT_NEAR(flat.deviation / flat.mean, 0.1, 1e-3);
+}
+
+TEST(Evaluate, APowerBringsContrastDownToWhatIsStored) {
+    Material m = two_subspaces(0.1F);
+    for (const float wanted : {0.03F, 0.1F, 0.15F, 0.199F}) {
+        m.reflectance = lambertian(m, 0.4F, wanted);
+        const Evaluator e = evaluator_of(m);
+        // Between subspaces as well.
+        for (const float theta : {0.0F, 37.0F}) {
+            const Moments found = moments_over_texture(e, at(0, 0), at(theta, 7));
+            const double mean =
+                0.4 * std::cos(static_cast<double>(theta) * std::numbers::pi / 180);
+            EXPECT_NEAR(found.mean, mean, 0.003 * mean);
+            EXPECT_NEAR(found.deviation / found.mean, static_cast<double>(wanted),
+                        0.02 * static_cast<double>(wanted));
+        }
+    }
+}
+
+// The power and the straight line meet where the blend has the contrast that is stored.
+TEST(Evaluate, IsContinuousInTheContrastStored) {
+    Material m = two_subspaces(0.1F);
+    m.reflectance = lambertian(m, 0.4F, 0.2F);
+    const Moments own = moments_over_texture(evaluator_of(m), at(0, 0), at(0, 0));
+    const Evaluator plain = evaluator_of(two_subspaces(0.1F));
+    const Moments texture = moments_over_texture(plain, at(0, 0), at(0, 0));
+    const auto kappa = static_cast<float>(texture.deviation / texture.mean);
+    ASSERT_GT(own.deviation, 0);
+    m.reflectance = lambertian(m, 0.4F, kappa * 0.999F);
+    const Evaluator below = evaluator_of(m);
+    m.reflectance = lambertian(m, 0.4F, kappa * 1.001F);
+    const Evaluator above = evaluator_of(m);
+    EXPECT_LT(below.prepare(at(0, 0), at(0, 0)).blend.power, 1);
+    EXPECT_EQ(above.prepare(at(0, 0), at(0, 0)).blend.power, 1);
+    for (const float u : {0.05F, 0.3F, 0.41F, 0.77F, 0.9F})
+        EXPECT_NEAR(below.evaluate({u, 0.2F, at(0, 0), at(0, 0)})[0],
+                    above.evaluate({u, 0.2F, at(0, 0), at(0, 0)})[0], 2e-3F);
+}
+
 TEST(Evaluate, AWhitePlateStaysWhite) {
     Material m = two_subspaces(0);
     for (Subspace& s : m.subspaces) s.spectral.mean = {1};

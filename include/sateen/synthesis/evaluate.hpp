@@ -44,15 +44,16 @@ struct ShadingPoint {
     std::array<float, 3> light = {0, 0, 1};  ///< unit vector towards the light
 };
 
-/// The mean and the mean square over the surface of max(0, n·l), by light.
+/// Means over the surface of max(0, n·l), its square and its square root, by light.
 struct ShadingMoments {
     float mean = 1;
     float mean_square = 1;
+    float mean_root = 1;
 };
 
 /// A material made ready: toroidal textures of all subspaces, drawn once from one noise.
 ///
-///     value_c = s · max(0, offset_c + gain_c Σ_k w_k t_k,c(u)) …  (docs/theory/evaluation.md)
+///     value_c = max(0, offset_c + gain_c (s Σ_k w_k t_k,c(u))^power)   (docs/theory/evaluation.md)
 ///
 /// is π times the radiance towards `view` for unit irradiance measured perpendicular to
 /// `light`: reflectance times cos θ of the light. A Lambertian white gives cos θ.

@@ -3,7 +3,9 @@
 // the mean colour and contrast of these directions. Theory: docs/theory/evaluation.md.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,6 +25,10 @@ struct TextureMoments {
     /// Of the luminances of every two subspaces, (subspaces, subspaces). The fields share
     /// their noise, so the textures vary together.
     std::vector<float> covariance;
+    /// How each is distributed, h = -8 ln E[√(t / mean)] beside C = ln(1 + contrast²), to
+    /// which it is equal for lognormal values: h of every band over that of the luminance,
+    /// and (h - C) / C² of the luminance.
+    std::vector<std::array<float, 4>> shape;
 };
 
 /// Of textures of equal size, one a subspace, drawn from the same noise.
@@ -30,7 +36,10 @@ struct TextureMoments {
 
 /// A weighted sum of subspaces and the map of its values:
 ///
-///     x_c = Σ_k weight_k t_k,c(u),   value_c = max(0, offset_c + gain_c x_c)
+///     x_c = Σ_k weight_k t_k,c(u),   value_c = max(0, offset_c + gain_c x_c^power)
+///
+/// Contrast is raised by a straight line (power 1) and lowered by a power, under which black
+/// stays black; from the square root on by a straight line again.
 struct Blend {
     static constexpr std::size_t kMost = 9;
     std::size_t count = 0;
@@ -38,6 +47,19 @@ struct Blend {
     std::array<float, kMost> weight = {};           ///< > 0, of sum 1
     std::array<float, 3> gain = {};
     std::array<float, 3> offset = {};
+    float power = 1;  ///< in [1/2, 1]
+};
+
+/// The value of a blend, of a texture multiplied by a shading of mean 1.
+[[nodiscard]] inline float value_of(const Blend& blend, std::size_t band, float x) {
+    const float shaped = blend.power == 1 ? x : std::pow(std::max(0.0F, x), blend.power);
+    return std::max(0.0F, blend.offset[band] + blend.gain[band] * shaped);
+}
+
+/// How a factor s of mean 1 is distributed, which is independent of the texture.
+struct FactorShape {
+    float square = 0;  ///< ln E[s²]
+    float root = 0;    ///< -8 ln E[√s]
 };
 
 struct InterpolationOptions {
@@ -60,12 +82,12 @@ class DirectionalInterpolation {
         const InterpolationOptions& options = {});
 
     /// \param view, light  unit vectors; below the surface the value is 0
-    /// \param shading_contrast  standard deviation over mean of a factor of mean 1 that
-    ///        the texture will be multiplied by, such as the shading of its surface
+    /// \param factor  what the texture will be multiplied by, such as the shading of its
+    ///        surface
     /// \cost about 100 ns
     [[nodiscard]] Blend at(const std::array<float, 3>& view,
                            const std::array<float, 3>& light,
-                           float shading_contrast = 0) const;
+                           const FactorShape& factor = {}) const;
 
     /// Contrast is raised at most so many times: representatives of nearly uniform images
     /// hold noise.
@@ -91,6 +113,7 @@ class DirectionalInterpolation {
     std::size_t view_count_ = 0;
     std::size_t bands_ = 0;
     TextureMoments moments_;
+    std::vector<float> luminances_;  // of the means
     InterpolationOptions options_;
     bool cosine_included_ = true;
     // e_0 … e_d of every pair, (lights, views): interpolating the products is the same as
