@@ -15,6 +15,7 @@
 #include "compare_report.hpp"
 #include "comparison.hpp"
 #include "console.hpp"
+#include "direction_summary.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/executor.hpp"
 #include "sateen/io/image_file.hpp"
@@ -33,6 +34,7 @@ struct CompareArguments {
     std::string candidate;
     std::string report;
     std::size_t directions = 0;
+    std::size_t textures = CompareDirectionsOptions().textures;
 };
 
 /// What there is to say: textures side by side, and all directions of a measurement.
@@ -64,8 +66,11 @@ Result<Findings> compare_material(const std::string& material_path,
                compare_subspaces(material, material_path, *measurement,
                                  arguments.common.seed, executor, progress));
     if (!material.index.empty() && measurement->info().has_directions()) {
-        Result<DirectionComparison> directions = compare_directions(
-            material, *measurement, arguments.directions, executor, progress);
+        const CompareDirectionsOptions options = {
+            arguments.directions, arguments.textures, !arguments.report.empty(),
+            arguments.common.seed};
+        Result<DirectionComparison> directions =
+            compare_directions(material, *measurement, options, executor, progress);
         // Scattered sets of very many directions have no table of all pairs.
         if (!directions && directions.error().code != Errc::limit_exceeded)
             return std::move(directions).error();
@@ -173,6 +178,12 @@ Verb add_compare(CLI::App& program) {
         "Write a page with pictures, spectra and histograms side by side (.html)");
     verb->add_option("--directions", arguments->directions,
                      "Of a measurement, compare N images spread evenly; 0 for all")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(whole_number_up_to(kMaxPairs));
+    verb->add_option("--textures", arguments->textures,
+                     "Of a measurement, score the textures of N images, spread over the\n"
+                     "elevations of view and light; 0 for none")
         ->type_name("N")
         ->capture_default_str()
         ->check(whole_number_up_to(kMaxPairs));

@@ -4,14 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <mutex>
-#include <optional>
-#include <span>
+#include <random>
+#include <utility>
 
-#include "html.hpp"
+#include "known_pairs.hpp"
 #include "sateen/analysis/reflectance.hpp"
 #include "sateen/core/colour.hpp"
 #include "sateen/synthesis/evaluate.hpp"
@@ -19,265 +19,302 @@
 namespace sateen::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kSide = 64;
-constexpr double kGrazing = 60;
+/// Means are taken of textures of this side; textures are scored at the size of the images, up
+/// to a limit.
+constexpr std::size_t kMeanSide = 64;
+constexpr std::size_t kMostSide = 512;
 
 double theta_degrees(Direction d) {
     return static_cast<double>(d.theta / kRadiansPerDegree);
 }
 
-bool is_grazing(const DirectionComparison& c, const PairError& pair) {
-    return std::max(theta_degrees(c.views[pair.view]),
-                    theta_degrees(c.lights[pair.light])) > kGrazing - 0.5;
-}
+// What a front end shows of a material, as values of the measurement.
+class Drawing {
+  public:
+    static Result<Drawing> create(const Material& material, std::size_t side,
+                                  std::uint64_t seed, Executor& executor) {
+        Progress silent;
+        EvaluatorOptions options;
+        options.side = side;
+        options.seed = seed;
+        SATEEN_TRY(Evaluator evaluator,
+                   Evaluator::create(material, options, executor, silent));
+        return Drawing(std::move(evaluator), material);
+    }
+    [[nodiscard]] Image at(Direction view, Direction light, std::size_t rows,
+                           std::size_t cols) const {
+        const auto to_light = to_vector(light);
+        const auto at = evaluator_.prepare(to_vector(view), to_light);
+        // The evaluator's values contain the cosine of the light.
+        const float scale = cosine_included_ ? 1 : 1 / std::max(1e-3F, to_light[2]);
+        const auto side = static_cast<float>(evaluator_.side());
+        Image drawn(bands_, rows, cols, uninitialised);
+        for (std::size_t r = 0; r < rows; ++r)
+            for (std::size_t c = 0; c < cols; ++c) {
+                const auto value =
+                    evaluator_.sample(at, (static_cast<float>(c) + 0.5F) / side,
+                                      -(static_cast<float>(r) + 0.5F) / side);
+                for (std::size_t b = 0; b < bands_; ++b)
+                    drawn(b, r, c) = scale * value[b];
+            }
+        return drawn;
+    }
+    [[nodiscard]] const Evaluator& evaluator() const { return evaluator_; }
 
-// What a front end shows of the material, averaged over the texture.
-ImageMoments drawn_moments(const Evaluator& evaluator, Direction view, Direction light,
-                           std::size_t bands) {
-    const auto at = evaluator.prepare(to_vector(view), to_vector(light));
-    Image drawn(bands, kSide, kSide);
-    for (std::size_t r = 0; r < kSide; ++r)
-        for (std::size_t c = 0; c < kSide; ++c) {
-            const auto value =
-                evaluator.sample(at, (static_cast<float>(c) + 0.5F) / kSide,
-                                 -(static_cast<float>(r) + 0.5F) / kSide);
-            for (std::size_t b = 0; b < bands; ++b) drawn(b, r, c) = value[b];
-        }
-    return image_moments(drawn.view());
-}
+  private:
+    Drawing(Evaluator evaluator, const Material& material)
+        : evaluator_(std::move(evaluator)),
+          bands_(material.bands),
+          cosine_included_(material.cosine_included) {}
+    Evaluator evaluator_;
+    std::size_t bands_;
+    bool cosine_included_;
+};
 
-Lab lab_of(const ImageMoments& m, std::size_t bands) {
-    const auto band = [&](std::size_t b) { return m.mean[std::min(b, bands - 1)]; };
-    return lab_from_linear_srgb(band(0), band(1), band(2));
-}
-
-PairError error_of(const ImageMoments& measured, const ImageMoments& drawn,
-                   const Observation& o, std::size_t bands) {
+MeanError error_of(const ImageMoments& measured, const ImageMoments& shown,
+                   std::size_t bands) {
+    const auto lab = [&](const ImageMoments& m) {
+        const auto band = [&](std::size_t b) { return m.mean[std::min(b, bands - 1)]; };
+        return lab_from_linear_srgb(band(0), band(1), band(2));
+    };
     const auto contrast = [](const ImageMoments& m) {
         return std::max(1e-3, m.deviation / std::max(1e-6, m.luminance));
     };
-    return {o.view, o.light, delta_e_2000(lab_of(measured, bands), lab_of(drawn, bands)),
-            std::log(contrast(drawn) / contrast(measured))};
+    return {delta_e_2000(lab(measured), lab(shown)),
+            std::log(contrast(shown) / contrast(measured))};
 }
 
-// Only some of the observations of a measurement.
-class Selection final : public Measurement {
-  public:
-    Selection(const Measurement& all, std::size_t most) : all_(all), info_(all.info()) {
-        const std::size_t n = info_.observations.size();
-        const std::size_t count = most == 0 ? n : std::min(n, most);
-        info_.observations.clear();
-        // A step that is no divisor of the grid's rows does not miss a column of it.
-        for (std::size_t i = 0; i < count; ++i) {
-            chosen_.push_back(i * n / count);
-            info_.observations.push_back(all.info().observations[chosen_.back()]);
+// The i-th of the values becomes one of those from i on, at random.
+void draw_one(std::vector<std::size_t>& values, std::size_t i, std::mt19937_64& engine) {
+    std::swap(values[i], values[i + engine() % (values.size() - i)]);
+}
+
+// How many to take of each group, `most` in all: one of each in turns, as long as there are.
+std::vector<std::size_t> quotas(const std::vector<std::size_t>& sizes, std::size_t most,
+                                std::mt19937_64& engine) {
+    std::vector<std::size_t> quota(sizes.size());
+    while (most > 0) {
+        std::vector<std::size_t> open;
+        for (std::size_t k = 0; k < sizes.size(); ++k)
+            if (quota[k] < sizes[k]) open.push_back(k);
+        if (open.empty()) break;
+        const std::size_t taken = std::min(most, open.size());
+        for (std::size_t i = 0; i < taken; ++i) {
+            draw_one(open, i, engine);
+            ++quota[open[i]];
         }
+        most -= taken;
     }
-    [[nodiscard]] const MeasurementInfo& info() const override { return info_; }
-    [[nodiscard]] Result<Image> read(std::size_t observation) const override {
-        return all_.read(chosen_[observation]);
+    return quota;
+}
+
+// A random sample of the pairs, as many of each pair of elevations.
+std::vector<PairTexture> sample_of(const DirectionComparison& comparison,
+                                   std::size_t most, std::uint64_t seed) {
+    std::map<std::pair<long, long>, std::vector<std::size_t>> strata;
+    for (std::size_t i = 0; i < comparison.pairs.size(); ++i) {
+        const PairError& pair = comparison.pairs[i];
+        strata[{std::lround(theta_degrees(comparison.views[pair.view])),
+                std::lround(theta_degrees(comparison.lights[pair.light]))}]
+            .push_back(i);
     }
+    std::vector<std::size_t> sizes;
+    for (const auto& [elevations, members] : strata) sizes.push_back(members.size());
+    std::mt19937_64 engine(seed);
+    const std::vector<std::size_t> quota = quotas(sizes, most, engine);
+    std::vector<PairTexture> sample;
+    std::size_t k = 0;
+    for (auto& [elevations, members] : strata) {
+        for (std::size_t j = 0; j < quota[k]; ++j) {
+            draw_one(members, j, engine);
+            sample.push_back(
+                {members[j],
+                 static_cast<double>(sizes[k]) / static_cast<double>(quota[k]),
+                 {},
+                 {}});
+        }
+        ++k;
+    }
+    return sample;
+}
+
+// The whole comparison; its parts in the order of their calls.
+class Comparer {
+  public:
+    Comparer(const Material& material, const Measurement& measurement,
+             const CompareDirectionsOptions& options, Executor& executor,
+             Progress& progress)
+        : material_(material),
+          measurement_(measurement),
+          info_(measurement.info()),
+          options_(options),
+          executor_(executor),
+          progress_(progress),
+          known_(material, info_) {
+        out_.views = info_.views;
+        out_.lights = info_.lights;
+    }
+
+    Result<void> compare_means() {
+        progress_.stage("comparing directions");
+        SATEEN_TRY(const Drawing drawing,
+                   Drawing::create(material_, kMeanSide, options_.seed, executor_));
+        const std::size_t all = info_.observations.size();
+        std::vector<std::size_t> asked = evenly_spread(all, options_.pairs);
+        // The nearest measured pair of those that were not is one that the material knows.
+        const bool incomplete = !known_.all().empty() && known_.all().size() < all;
+        std::vector<std::size_t> read = asked;
+        if (incomplete) {
+            read.insert(read.end(), known_.all().begin(), known_.all().end());
+            std::sort(read.begin(), read.end());
+            read.erase(std::unique(read.begin(), read.end()), read.end());
+        }
+        std::vector<std::optional<ImageMoments>> moments(all);
+        const SomeImages selection(measurement_, read);
+        SATEEN_TRY(const PassReport report,
+                   for_each_image(selection, true, executor_, progress_,
+                                  [&](std::size_t i, const Image& image) {
+                                      moments[read[i]] = image_moments(image.view());
+                                  }));
+        (void)report;
+        std::erase_if(asked, [&](std::size_t i) { return !moments[i]; });
+        out_.pairs.resize(asked.size());
+        observations_ = asked;
+        parallel_for(executor_, asked.size(), [&](std::size_t k) {
+            const Observation& o = info_.observations[asked[k]];
+            const ImageMoments& truth = *moments[asked[k]];
+            const Image drawn = drawing.at(info_.views[o.view], info_.lights[o.light],
+                                           kMeanSide, kMeanSide);
+            PairError& pair = out_.pairs[k];
+            pair = {o.view, o.light,
+                    error_of(truth, image_moments(drawn.view()), material_.bands),
+                    std::nullopt};
+            if (!incomplete || known_.contains(asked[k])) return;
+            if (const auto& nearest = moments[known_.nearest(o)])
+                pair.nearest = error_of(truth, *nearest, material_.bands);
+        });
+        const auto index = drawing.evaluator().interpolation().index();
+        if (index.size() == info_.views.size() * info_.lights.size())
+            out_.index.assign(index.begin(), index.end());
+        return {};
+    }
+
+    Result<void> compare_textures() {
+        const std::size_t least = std::min(info_.rows, info_.cols);
+        if (least < TextureReference::kMinSide || options_.textures == 0) return {};
+        progress_.stage("scoring textures");
+        const std::size_t side = std::clamp(std::max(info_.rows, info_.cols),
+                                            TextureReference::kMinSide, kMostSide);
+        SATEEN_TRY(drawing_, make_drawing(side));
+        out_.textures = sample_of(out_, options_.textures, options_.seed);
+        std::vector<std::optional<Error>> errors(out_.textures.size());
+        std::atomic<std::size_t> finished = 0;
+        parallel_for(executor_, out_.textures.size(), [&](std::size_t k) {
+            if (progress_.cancelled()) return;
+            const Result<void> scored = score(out_.textures[k]);
+            if (!scored) errors[k] = scored.error();
+            progress_.report(static_cast<double>(++finished),
+                             static_cast<double>(out_.textures.size()));
+        });
+        for (std::optional<Error>& error : errors)
+            if (error) return std::move(*error);
+        if (progress_.cancelled())
+            return Error{Errc::cancelled, "cancelled while scoring textures"};
+        return options_.exhibits ? choose_exhibits() : Result<void>{};
+    }
+
+    [[nodiscard]] DirectionComparison take() { return std::move(out_); }
 
   private:
-    const Measurement& all_;
-    MeasurementInfo info_;
-    std::vector<std::size_t> chosen_;
-};
-
-struct Summary {
-    std::size_t pairs = 0;
-    double mean = 0;
-    double p95 = 0;
-    double largest = 0;
-    double contrast = 0;  // mean magnitude of the logarithm
-};
-
-Summary summary_of(const DirectionComparison& c,
-                   const std::function<bool(const PairError&)>& belongs) {
-    std::vector<double> errors;
-    Summary s;
-    for (const PairError& pair : c.pairs) {
-        if (!belongs(pair)) continue;
-        errors.push_back(pair.delta_e);
-        s.mean += pair.delta_e;
-        s.contrast += std::abs(pair.contrast);
+    Result<std::optional<Drawing>> make_drawing(std::size_t side) {
+        SATEEN_TRY(Drawing drawing,
+                   Drawing::create(material_, side, options_.seed, executor_));
+        return std::optional<Drawing>(std::move(drawing));
     }
-    s.pairs = errors.size();
-    if (errors.empty()) return s;
-    const auto n = static_cast<double>(errors.size());
-    s.mean /= n;
-    s.contrast /= n;
-    std::sort(errors.begin(), errors.end());
-    s.p95 = errors[static_cast<std::size_t>(0.95 * (n - 1))];
-    s.largest = errors.back();
-    return s;
-}
 
-Json json_of(const Summary& s) {
-    return {{"pairs", s.pairs},
-            {"delta_e", {{"mean", s.mean}, {"p95", s.p95}, {"max", s.largest}}},
-            {"contrast", s.contrast}};
-}
-
-bool anything(const PairError& /*pair*/) {
-    return true;
-}
-
-// Summaries by elevation, in whole degrees.
-std::map<int, Summary> by_elevation(const DirectionComparison& c,
-                                    const std::vector<Direction>& directions,
-                                    std::size_t PairError::*which) {
-    std::map<int, Summary> out;
-    for (const Direction d : directions)
-        out[static_cast<int>(std::lround(theta_degrees(d)))] = {};
-    for (auto& [theta, summary] : out) {
-        const int wanted = theta;
-        summary = summary_of(c, [&](const PairError& pair) {
-            return std::lround(theta_degrees(directions[pair.*which])) == wanted;
-        });
+    [[nodiscard]] Image drawn(const PairError& pair) const {
+        return drawing_->at(info_.views[pair.view], info_.lights[pair.light],
+                            std::min(info_.rows, kMostSide),
+                            std::min(info_.cols, kMostSide));
     }
-    return out;
-}
 
-std::string elevation_plot(const DirectionComparison& c) {
-    std::array<std::vector<double>, 2> x;
-    std::array<std::vector<double>, 2> y;
-    double most = 1;
-    const auto add = [&](std::size_t i, const std::map<int, Summary>& summaries) {
-        for (const auto& [theta, s] : summaries) {
-            if (s.pairs == 0) continue;
-            x[i].push_back(theta);
-            y[i].push_back(s.mean);
-            most = std::max(most, s.mean);
-        }
-    };
-    add(0, by_elevation(c, c.views, &PairError::view));
-    add(1, by_elevation(c, c.lights, &PairError::light));
-    return html::draw({"Mean ΔE by elevation: blue of the view, orange of the light",
-                       "θ in degrees", 0, 90, 0, 1.1 * most},
-                      {x[0], y[0]}, {x[1], y[1]});
-}
+    Result<void> score(PairTexture& texture) const {
+        SerialExecutor here;
+        const PairError& pair = out_.pairs[texture.pair];
+        const std::size_t observation = observations_[texture.pair];
+        SATEEN_TRY(const Image measured, measurement_.read(observation));
+        const Image shown = drawn(pair);
+        SATEEN_TRY(
+            const TextureReference reference,
+            TextureReference::create(measured, {shown.rows(), shown.cols()}, here));
+        SATEEN_TRY(texture.drawn, reference.compare(shown, here));
+        if (!pair.nearest) return {};
+        SATEEN_TRY(const Image nearest,
+                   measurement_.read(known_.nearest(info_.observations[observation])));
+        SATEEN_TRY(texture.nearest, reference.compare(nearest, here));
+        return {};
+    }
 
-constexpr std::size_t kCell = 4;
+    Result<void> exhibit(const std::string& what, const PairTexture& texture) {
+        const PairError& pair = out_.pairs[texture.pair];
+        const auto degrees = [](Direction d) {
+            return fmt::format("{:.0f}°, {:.0f}°", theta_degrees(d),
+                               static_cast<double>(d.phi / kRadiansPerDegree));
+        };
+        SATEEN_TRY(Image measured, measurement_.read(observations_[texture.pair]));
+        out_.exhibits.push_back(
+            {fmt::format("{}: view {}, light {}; texture {:.2f}, colour ΔE {:.2f}", what,
+                         degrees(info_.views[pair.view]),
+                         degrees(info_.lights[pair.light]), texture.drawn.total,
+                         pair.drawn.delta_e),
+             std::move(measured), drawn(pair)});
+        return {};
+    }
 
-// One square a pair, views along the rows, lights down.
-Image table_picture(const DirectionComparison& c,
-                    const std::function<std::array<float, 3>(std::size_t)>& colour) {
-    Image out(3, kCell * c.lights.size(), kCell * c.views.size());
-    for (std::size_t r = 0; r < out.rows(); ++r)
-        for (std::size_t col = 0; col < out.cols(); ++col) {
-            const auto value = colour(r / kCell * c.views.size() + col / kCell);
-            for (std::size_t b = 0; b < 3; ++b) out(b, r, col) = value[b];
-        }
-    return out;
-}
+    Result<void> choose_exhibits() {
+        std::vector<PairTexture> order = out_.textures;
+        const auto sort_by = [&](auto value) {
+            std::sort(order.begin(), order.end(),
+                      [&](const auto& a, const auto& b) { return value(a) < value(b); });
+        };
+        if (order.empty()) return {};
+        const auto score_of = [](const PairTexture& t) { return t.drawn.total; };
+        sort_by(score_of);
+        SATEEN_CHECK(exhibit("Best texture", order.front()));
+        SATEEN_CHECK(exhibit("Median texture", order[order.size() / 2]));
+        SATEEN_CHECK(exhibit("Worst texture", order.back()));
+        sort_by([&](const PairTexture& t) { return out_.pairs[t.pair].drawn.delta_e; });
+        SATEEN_CHECK(exhibit("Worst colour of those scored", order.back()));
+        const auto sum_of_angles = [&](const PairTexture& t) {
+            const PairError& pair = out_.pairs[t.pair];
+            return info_.views[pair.view].theta + info_.lights[pair.light].theta;
+        };
+        sort_by(sum_of_angles);
+        return exhibit("Most grazing", order.back());
+    }
+
+    const Material& material_;
+    const Measurement& measurement_;
+    const MeasurementInfo& info_;
+    const CompareDirectionsOptions& options_;
+    Executor& executor_;
+    Progress& progress_;
+    KnownPairs known_;
+    std::optional<Drawing> drawing_;
+    std::vector<std::size_t> observations_;  // of every pair
+    DirectionComparison out_;
+};
 
 }  // namespace
 
 Result<DirectionComparison> compare_directions(const Material& material,
                                                const Measurement& measurement,
-                                               std::size_t most, Executor& executor,
-                                               Progress& progress) {
-    progress.stage("comparing directions");
-    Progress silent;
-    EvaluatorOptions options;
-    options.side = kSide;
-    SATEEN_TRY(const Evaluator evaluator,
-               Evaluator::create(material, options, executor, silent));
-    const Selection selection(measurement, most);
-    const MeasurementInfo& info = selection.info();
-    std::vector<std::optional<PairError>> errors(info.observations.size());
-    SATEEN_CHECK([&]() -> Result<void> {
-        SATEEN_TRY(const PassReport report,
-                   for_each_image(selection, true, executor, progress,
-                                  [&](std::size_t i, const Image& image) {
-                                      const Observation& o = info.observations[i];
-                                      const ImageMoments drawn = drawn_moments(
-                                          evaluator, info.views[o.view],
-                                          info.lights[o.light], material.bands);
-                                      errors[i] = error_of(image_moments(image.view()),
-                                                           drawn, o, material.bands);
-                                  }));
-        (void)report;
-        return {};
-    }());
-    DirectionComparison out;
-    out.views = info.views;
-    out.lights = info.lights;
-    for (const auto& error : errors)
-        if (error) out.pairs.push_back(*error);
-    const auto index = evaluator.interpolation().index();
-    if (index.size() == info.views.size() * info.lights.size())
-        out.index.assign(index.begin(), index.end());
-    return out;
-}
-
-Json json_of(const DirectionComparison& c) {
-    Json json = json_of(summary_of(c, anything));
-    const auto list = [&](const std::map<int, Summary>& summaries) {
-        Json out = Json::array();
-        for (const auto& [theta, summary] : summaries) {
-            if (summary.pairs == 0) continue;
-            Json entry = {{"theta", theta}};
-            entry.update(json_of(summary));
-            out.push_back(entry);
-        }
-        return out;
-    };
-    json["grazing"] =
-        json_of(summary_of(c, [&](const PairError& p) { return is_grazing(c, p); }));
-    json["not_grazing"] =
-        json_of(summary_of(c, [&](const PairError& p) { return !is_grazing(c, p); }));
-    json["by_view"] = list(by_elevation(c, c.views, &PairError::view));
-    json["by_light"] = list(by_elevation(c, c.lights, &PairError::light));
-    return json;
-}
-
-std::string text_of(const DirectionComparison& c) {
-    const Summary all = summary_of(c, anything);
-    const Summary grazing =
-        summary_of(c, [&](const PairError& p) { return is_grazing(c, p); });
-    return fmt::format(
-        "{} pairs of directions: mean colour ΔE {:.2f}, 95 % {:.2f}, largest {:.1f}; "
-        "grazing {:.2f}; contrast off by {:.0f} %",
-        all.pairs, all.mean, all.p95, all.largest, grazing.mean,
-        100 * (std::exp(all.contrast) - 1));
-}
-
-Result<std::string> section_of(const DirectionComparison& c) {
-    // White is no error, red 3, black 10 and more; pairs not looked at are grey.
-    std::vector<float> table(c.views.size() * c.lights.size(), -1);
-    for (const PairError& pair : c.pairs)
-        table[pair.light * c.views.size() + pair.view] = static_cast<float>(pair.delta_e);
-    const Image map = table_picture(c, [&](std::size_t i) -> std::array<float, 3> {
-        if (table[i] < 0) return {0.4F, 0.4F, 0.4F};
-        const float red = 1 - std::clamp((table[i] - 3) / 7, 0.0F, 1.0F);
-        const float other = 1 - std::min(1.0F, table[i] / 3);
-        return {red, red * other, red * other};
-    });
-    SATEEN_TRY(const std::string error_map, html::picture(map));
-    std::string body =
-        fmt::format("<h2>All directions</h2>\n<p>{}.</p>\n", html::escaped(text_of(c)));
-    body += fmt::format(
-        "<div class=\"pair\"><figure>{}<figcaption>Colour error, views along, lights "
-        "down: "
-        "white 0, red ΔE 3, black 10</figcaption></figure>\n",
-        error_map);
-    if (!c.index.empty()) {
-        const Image index = table_picture(c, [&](std::size_t i) -> std::array<float, 3> {
-            const float turn = 2.399963F * static_cast<float>(c.index[i]);
-            return {0.5F + 0.4F * std::cos(turn), 0.5F + 0.4F * std::cos(turn - 2.0944F),
-                    0.5F + 0.4F * std::cos(turn + 2.0944F)};
-        });
-        SATEEN_TRY(const std::string picture, html::picture(index));
-        body += fmt::format(
-            "<figure>{}<figcaption>Index table, a colour a "
-            "subspace</figcaption></figure>",
-            picture);
-    }
-    return body + "</div>\n<div class=\"plots\">\n" + elevation_plot(c) + "</div>\n";
+                                               const CompareDirectionsOptions& options,
+                                               Executor& executor, Progress& progress) {
+    Comparer comparer(material, measurement, options, executor, progress);
+    SATEEN_CHECK(comparer.compare_means());
+    SATEEN_CHECK(comparer.compare_textures());
+    return comparer.take();
 }
 
 }  // namespace sateen::cli

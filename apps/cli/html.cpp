@@ -21,6 +21,8 @@ constexpr std::string_view kStyle = R"(
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 70rem; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2.5rem; }
 .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem; }
+.exhibits { display: grid; grid-template-columns: repeat(auto-fit, minmax(26rem, 1fr)); gap: 1rem 2rem; }
+.exhibits h3 { font-size: .95rem; font-weight: 600; }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1rem; }
 figure { margin: 0; } figcaption { font-size: .9rem; padding: .2rem 0; overflow-wrap: anywhere; }
 figure img { width: 100%; height: auto; }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/direction_names.hpp"
+#include "io/text_lines.hpp"
 
 namespace sateen::io {
 namespace {
@@ -16,21 +17,6 @@ constexpr std::array<std::string_view, 5> kColumns = {"file", "theta_i", "phi_i"
                                                       "theta_v", "phi_v"};
 constexpr std::array<std::string_view, 2> kOneDirection = {"theta", "phi"};
 constexpr std::string_view kExpectedHeader = "file,theta_i,phi_i,theta_v,phi_v";
-
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlank = " \t\r";
-    const std::size_t first = text.find_first_not_of(kBlank);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-/// Takes the next line off `text`.
-std::string_view next_line(std::string_view& text) {
-    const std::size_t end = text.find('\n');
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    return trimmed(line);
-}
 
 /// Cuts at commas outside quotes; "" inside quotes is a quote. Nothing if a quote is
 /// open.
@@ -158,9 +144,7 @@ CsvRow parse_row(std::string_view line, std::size_t line_number, const Columns& 
 /// which is the header.
 template <class F>
 void for_each_line(std::string_view text, const F& use) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark)
-        text.remove_prefix(kByteOrderMark.size());
+    skip_byte_order_mark(text);
     for (std::size_t number = 1; !text.empty(); ++number) {
         const std::string_view line = next_line(text);
         if (!line.empty() && line.front() != '#') use(line, number);

@@ -10,27 +10,14 @@
 #include <optional>
 #include <utility>
 
+#include "io/text_lines.hpp"
+
 namespace sateen::io {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r";
 constexpr double kRadiansToDegrees = 180 / std::numbers::pi;
 /// How far below the horizon a light may be by its rounding, in units of sin θ.
 constexpr double kHorizonTolerance = 0.035;
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(kBlank);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-/// Takes the next line off `text`.
-std::string_view next_line(std::string_view& text) {
-    const std::size_t end = text.find('\n');
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    return trimmed(line);
-}
 
 /// Takes the last word off `line`.
 std::string_view last_word(std::string_view& line) {
@@ -106,9 +93,7 @@ LightPosition parse_line(std::string_view line, std::size_t number) {
 
 Result<LightPositions> parse_light_positions(std::string_view text,
                                              std::string_view name) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark)
-        text.remove_prefix(kByteOrderMark.size());
+    skip_byte_order_mark(text);
     LightPositions out;
     std::optional<std::size_t> stated;
     bool first = true;
