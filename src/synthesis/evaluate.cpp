@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sateen/synthesis/synthesise.hpp"
+#include "synthesis/blend_batch.hpp"
 #include "synthesis/texel.hpp"
 
 namespace sateen {
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kLeastSide = 16;
 constexpr std::size_t kMostSide = 2048;
+constexpr float kLeastShading = 1e-4F;
 
 }  // namespace
 
@@ -65,6 +67,16 @@ Result<Evaluator> Evaluator::create(const Material& material,
     return out;
 }
 
+FactorShape Evaluator::shading_shape(const ShadingMoments& moments) const {
+    const float mean = std::max(moments.mean, kLeastShading);
+    FactorShape shape;
+    shape.square = std::log(std::max(1.0F, moments.mean_square / (mean * mean)));
+    const float root = moments.mean_root * moments.mean_root;
+    shape.root =
+        std::max(0.0F, 4 * std::log(mean / std::max(root, kLeastShading * mean)));
+    return shape;
+}
+
 Evaluator::Directional Evaluator::prepare(const std::array<float, 3>& view,
                                           const std::array<float, 3>& light) const {
     Directional at;
@@ -73,61 +85,102 @@ Evaluator::Directional Evaluator::prepare(const std::array<float, 3>& view,
     FactorShape shading;
     if (delit_ && light[2] > 0) {
         const ShadingMoments moments = shading_moments(light);
-        const float mean = std::max(moments.mean, 1e-4F);
-        at.shading_scale = 1 / mean;
-        shading.square = std::log(std::max(1.0F, moments.mean_square / (mean * mean)));
-        shading.root = std::max(
-            0.0F, 4 * std::log(mean / std::max(moments.mean_root * moments.mean_root,
-                                               1e-4F * mean)));
+        at.shading_scale = 1 / std::max(moments.mean, kLeastShading);
+        shading = shading_shape(moments);
     }
     at.blend = interpolation_.at(view, light, shading);
-    if (bands_ == 1) {
-        at.blend.gain[1] = at.blend.gain[2] = at.blend.gain[0];
-        at.blend.offset[1] = at.blend.offset[2] = at.blend.offset[0];
-    }
     return at;
 }
 
-std::array<float, 3> Evaluator::texture(const Blend& blend, float u, float v) const {
-    const BilinearTaps taps(u, v, side_);
-    Texel sum;
-    for (std::size_t i = 0; i < blend.count; ++i)
-        sum.add(texels_.data() + blend.subspace[i] * side_ * side_ * 4, taps,
-                blend.weight[i]);
-    const std::array<float, 4> value = sum.value();
-    return {value[0], value[1], value[2]};
+float Evaluator::shaded(const std::array<float, 3>& view,
+                        const std::array<float, 3>& light, float scale, float& u,
+                        float& v) const {
+    const auto [x, y] = displaced(view, u, v);
+    u = x;
+    v = y;
+    if (self_shadow_ && is_shadowed(light, u, v)) return 0;
+    if (!delit_) return 1;
+    const std::array<float, 4> n = relief_at(u, v);
+    return scale * std::max(0.0F, n[0] * light[0] + n[1] * light[1] + n[2] * light[2]);
 }
 
 //     value_c = max(0, offset_c + gain_c (x_c s)^power),  x the blend, s the shading of mean 1
 std::array<float, 3> Evaluator::sample(const Directional& at, float u, float v) const {
     float shading = 1;
-    if (mode_ != Relief::none) {
-        const auto [x, y] = displaced(at.view, u, v);
-        u = x;
-        v = y;
-        if (delit_) {
-            const std::array<float, 4> n = relief_at(u, v);
-            shading = at.shading_scale *
-                      std::max(0.0F, n[0] * at.light[0] + n[1] * at.light[1] +
-                                         n[2] * at.light[2]);
-        }
-        if (self_shadow_ && is_shadowed(at.light, u, v)) shading = 0;
-    }
-    const std::array<float, 3> x = texture(at.blend, u, v);
+    if (mode_ != Relief::none)
+        shading = shaded(at.view, at.light, at.shading_scale, u, v);
+    const BilinearTaps taps(u, v, side_);
+    Texel sum;
+    for (std::size_t i = 0; i < at.blend.count; ++i)
+        sum.add(texels(at.blend.subspace[i]).data(), taps, at.blend.weight[i]);
     std::array<float, 3> out;
-    for (std::size_t c = 0; c < 3; ++c) out[c] = value_of(at.blend, c, x[c] * shading);
+    for (std::size_t c = 0; c < 3; ++c)
+        out[c] = value_of(at.blend, c, sum.value()[c] * shading);
     return out;
 }
 
 void Evaluator::evaluate(std::span<const ShadingPoint> points,
                          std::span<std::array<float, 3>> out) const {
-    Directional at;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const ShadingPoint& point = points[i];
-        if (i == 0 || point.view != at.view || point.light != at.light)
-            at = prepare(point.view, point.light);
-        out[i] = sample(at, point.u, point.v);
+    for (std::size_t first = 0; first < points.size(); first += kBatch) {
+        const std::size_t count = std::min(kBatch, points.size() - first);
+        const std::span batch = points.subspan(first, count);
+        const ShadingPoint& common = batch.front();
+        if (std::all_of(batch.begin(), batch.end(), [&](const ShadingPoint& point) {
+                return point.view == common.view && point.light == common.light;
+            })) {
+            const Directional at = prepare(common.view, common.light);
+            for (std::size_t i = 0; i < count; ++i)
+                out[first + i] = sample(at, batch[i].u, batch[i].v);
+        } else {
+            evaluate_batch(batch, out.subspan(first, count));
+        }
     }
+}
+
+void Evaluator::evaluate_batch(std::span<const ShadingPoint> points,
+                               std::span<std::array<float, 3>> out) const {
+    const std::size_t count = points.size();
+    DirectionBatch directions;
+    FactorBatch factors;
+    BatchLane scale;
+    directions.count = count;
+    // Lanes up to the end of the last vector repeat the last point.
+    for (std::size_t i = 0; i < kBatch; ++i) {
+        const ShadingPoint& point = points[std::min(i, count - 1)];
+        for (std::size_t c = 0; c < 3; ++c) {
+            directions.view[c][i] = point.view[c];
+            directions.light[c][i] = point.light[c];
+        }
+        factors.square[i] = 0;
+        factors.root[i] = 0;
+        scale[i] = 1;
+        if (!delit_ || point.light[2] <= 0) continue;
+        const ShadingMoments moments = shading_moments(point.light);
+        const FactorShape shape = shading_shape(moments);
+        factors.square[i] = shape.square;
+        factors.root[i] = shape.root;
+        scale[i] = 1 / std::max(moments.mean, kLeastShading);
+    }
+    BlendBatch blends;
+    interpolation_.at(directions, factors, blends);
+    BatchLane u;
+    BatchLane v;
+    BatchLane shading;
+    for (std::size_t i = 0; i < kBatch; ++i) {
+        const ShadingPoint& point = points[std::min(i, count - 1)];
+        u[i] = point.u;
+        v[i] = point.v;
+        shading[i] = 1;
+        if (mode_ != Relief::none)
+            shading[i] = shaded(point.view, point.light, scale[i], u[i], v[i]);
+    }
+    VectorBatch x = {};
+    texture_batch(texels_.data(), side_, blends, u, v, count, x);
+    if (delit_ || self_shadow_)
+        for (BatchLane& band : x)
+            for (std::size_t i = 0; i < kBatch; ++i) band[i] *= shading[i];
+    shape_batch(blends, count, x);
+    for (std::size_t i = 0; i < count; ++i) out[i] = {x[0][i], x[1][i], x[2][i]};
 }
 
 }  // namespace sateen

@@ -82,8 +82,8 @@ class Evaluator {
     [[nodiscard]] std::array<float, 3> evaluate(const ShadingPoint& point) const {
         return sample(prepare(point.view, point.light), point.u, point.v);
     }
-    /// Many points: directions equal to those of the point before are not prepared again.
-    /// \cost about 150 ns a point of its own directions, 30 ns with common ones
+    /// Many points: 64 at a time in vectors, or prepared once where all directions agree.
+    /// \cost about 80 ns a point of its own directions, 30 ns with common ones
     void evaluate(std::span<const ShadingPoint> points,
                   std::span<std::array<float, 3>> out) const;
 
@@ -108,8 +108,13 @@ class Evaluator {
         : interpolation_(std::move(interpolation)) {}
     Result<void> take_surface(const Surface& surface, std::uint64_t seed);
     void tabulate_shading();
-    [[nodiscard]] std::array<float, 3> texture(const Blend& blend, float u,
-                                               float v) const;
+    void evaluate_batch(std::span<const ShadingPoint> points,
+                        std::span<std::array<float, 3>> out) const;
+    [[nodiscard]] FactorShape shading_shape(const ShadingMoments& moments) const;
+    /// The shading of a point, which is moved to where the view ray meets the surface.
+    [[nodiscard]] float shaded(const std::array<float, 3>& view,
+                               const std::array<float, 3>& light, float scale, float& u,
+                               float& v) const;
     [[nodiscard]] std::array<float, 4> relief_at(float u, float v) const;
     [[nodiscard]] std::array<float, 2> displaced(const std::array<float, 3>& view,
                                                  float u, float v) const;
