@@ -92,10 +92,7 @@ std::size_t blocks_of(std::size_t size, std::size_t block) {
 template <class F>
 void for_block_ranges(Executor& executor, const FftPlan1d& plan, std::size_t blocks,
                       const F& body) {
-    constexpr std::size_t kRangesPerThread = 4;
-    const std::size_t threads = executor.concurrency();
-    const std::size_t ranges =
-        threads == 1 ? 1 : std::min(blocks, threads * kRangesPerThread);
+    const std::size_t ranges = std::min(blocks, ranges_of(executor));
     parallel_for(executor, ranges, [&](std::size_t i) {
         const auto scratch = make_scratch(detail::scratch_floats(plan));
         body(BlockRange{i * blocks / ranges, (i + 1) * blocks / ranges, scratch.get()});
@@ -109,6 +106,8 @@ void all_columns(const FftPlan1d& plan, SplitComplexView<float> plane, bool inve
     for_block_ranges(executor, plan, blocks_of(plane.re.cols, kBatchLanes),
                      [&](BlockRange range) { run(plan, plane, inverse, range); });
 }
+
+static_assert(Fft2d::kRowBlock == 2 * kBatchLanes);
 
 Result<std::unique_ptr<FftPlan2d>> make_plan(std::size_t rows, std::size_t cols) {
     if (is_fft_size(rows) && is_fft_size(cols)) {
@@ -124,8 +123,10 @@ SplitComplexView<float> first_cols(SplitComplexView<float> plane, std::size_t co
             plane.im.window(0, 0, plane.im.rows, cols)};
 }
 
+/// Asserted only.
 template <class T>
-bool has_shape(const PlaneView<T>& plane, std::size_t rows, std::size_t cols) {
+[[maybe_unused]] bool has_shape(const PlaneView<T>& plane, std::size_t rows,
+                                std::size_t cols) {
     return plane.rows == rows && plane.cols == cols;
 }
 
@@ -152,35 +153,66 @@ std::size_t Fft2d::spectrum_cols() const {
     return cols() / 2 + 1;
 }
 
+Fft2d::Scratch Fft2d::scratch() const {
+    return Scratch(detail::scratch_floats(plan_->rows));
+}
+
 void Fft2d::forward(PlaneView<const float> plane, SplitComplexView<float> spectrum,
                     Executor& executor) const {
     assert(has_shape(plane, rows(), cols()));
-    assert(has_shape(spectrum.re, rows(), spectrum_cols()));
-    assert(has_shape(spectrum.im, rows(), spectrum_cols()));
-    const SplitComplexView<float> packed =
-        first_cols(spectrum, detail::packed_cols(cols()));
-    const auto run = HWY_DYNAMIC_DISPATCH(forward_real_rows);
-    for_block_ranges(executor, plan_->rows, blocks_of(rows(), 2 * kBatchLanes),
-                     [&](BlockRange range) { run(plan_->rows, plane, packed, range); });
-    all_columns(plan_->cols, packed, false, executor);
-    if (cols() % 2 == 0) detail::unpack_real_columns(spectrum);
+    for_row_blocks(executor, [&](std::size_t first, std::size_t count, Scratch& scratch) {
+        forward_rows(plane.window(first, 0, count, cols()), first, spectrum, scratch);
+    });
+    forward_columns(spectrum, executor);
 }
 
 void Fft2d::inverse(SplitComplexView<float> spectrum, PlaneView<float> plane,
                     Executor& executor) const {
     assert(has_shape(plane, rows(), cols()));
+    inverse_columns(spectrum, executor);
+    for_row_blocks(executor, [&](std::size_t first, std::size_t count, Scratch& scratch) {
+        inverse_rows({spectrum.re, spectrum.im}, first, 1,
+                     plane.window(first, 0, count, cols()), scratch);
+    });
+}
+
+void Fft2d::forward_rows(PlaneView<const float> block, std::size_t first,
+                         SplitComplexView<float> spectrum, Scratch& scratch) const {
     assert(has_shape(spectrum.re, rows(), spectrum_cols()));
     assert(has_shape(spectrum.im, rows(), spectrum_cols()));
-    const SplitComplexView<float> packed =
-        first_cols(spectrum, detail::packed_cols(cols()));
+    assert(has_shape(block, std::min(kRowBlock, rows() - first), cols()));
+    const std::size_t packed = detail::packed_cols(cols());
+    HWY_DYNAMIC_DISPATCH(forward_real_rows)
+    (plan_->rows, block,
+     {spectrum.re.window(first, 0, block.rows, packed),
+      spectrum.im.window(first, 0, block.rows, packed)},
+     {0, 1, scratch.values_.data()});
+}
+
+void Fft2d::forward_columns(SplitComplexView<float> spectrum, Executor& executor) const {
+    all_columns(plan_->cols, first_cols(spectrum, detail::packed_cols(cols())), false,
+                executor);
+    if (cols() % 2 == 0) detail::unpack_real_columns(spectrum);
+}
+
+void Fft2d::inverse_columns(SplitComplexView<float> spectrum, Executor& executor) const {
+    assert(has_shape(spectrum.re, rows(), spectrum_cols()));
+    assert(has_shape(spectrum.im, rows(), spectrum_cols()));
     if (cols() % 2 == 0) detail::pack_real_columns(spectrum);
-    all_columns(plan_->cols, packed, true, executor);
-    const float factor = 1.0F / static_cast<float>(rows() * cols());
-    const auto run = HWY_DYNAMIC_DISPATCH(inverse_real_rows);
-    for_block_ranges(executor, plan_->rows, blocks_of(rows(), 2 * kBatchLanes),
-                     [&](BlockRange range) {
-                         run(plan_->rows, {packed.re, packed.im}, plane, factor, range);
-                     });
+    all_columns(plan_->cols, first_cols(spectrum, detail::packed_cols(cols())), true,
+                executor);
+}
+
+void Fft2d::inverse_rows(SplitComplexView<const float> spectrum, std::size_t first,
+                         float gain, PlaneView<float> block, Scratch& scratch) const {
+    assert(has_shape(block, std::min(kRowBlock, rows() - first), cols()));
+    const std::size_t packed = detail::packed_cols(cols());
+    const float factor = gain / static_cast<float>(rows() * cols());
+    HWY_DYNAMIC_DISPATCH(inverse_real_rows)
+    (plan_->rows,
+     {spectrum.re.window(first, 0, block.rows, packed),
+      spectrum.im.window(first, 0, block.rows, packed)},
+     block, factor, {0, 1, scratch.values_.data()});
 }
 
 Result<Fft2dComplex> Fft2dComplex::create(std::size_t rows, std::size_t cols) {

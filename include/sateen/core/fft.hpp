@@ -3,6 +3,7 @@
 // Theory: docs/theory/fft.md. Naive oracle: tests/reference/dft.hpp.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -28,6 +29,13 @@ struct SplitComplexView {
     PlaneView<T> re;
     PlaneView<T> im;
 };
+
+/// Ranges to cut work into that needs memory of its own: a few a thread.
+[[nodiscard]] inline std::size_t ranges_of(const Executor& executor) {
+    constexpr std::size_t kRangesPerThread = 4;
+    const std::size_t threads = executor.concurrency();
+    return threads == 1 ? 1 : threads * kRangesPerThread;
+}
 
 namespace detail {
 struct FftPlan2d;
@@ -80,7 +88,8 @@ class SplitComplexPlane {
     std::size_t rows_ = 0;
     std::size_t cols_ = 0;
     std::size_t stride_ = 0;
-    std::vector<float, detail::UninitialisedAllocator<float, detail::CacheLineAllocator<float>>>
+    std::vector<float,
+                detail::UninitialisedAllocator<float, detail::CacheLineAllocator<float>>>
         values_;
 };
 
@@ -112,10 +121,59 @@ class Fft2d {
     void inverse(SplitComplexView<float> spectrum, PlaneView<float> plane,
                  Executor& executor) const;
 
+    /// Both in two steps, for callers that make the rows, or go on with them, while they
+    /// are in the cache. Rows come in blocks: `first` is a multiple of kRowBlock, and as
+    /// many rows as that, or what is left of the plane.
+    static constexpr std::size_t kRowBlock = 32;
+    class Scratch;
+    /// body(first, count, scratch) for every block of rows.
+    template <class Body>
+    void for_row_blocks(Executor& executor, const Body& body) const;
+    void forward_rows(PlaneView<const float> rows, std::size_t first,
+                      SplitComplexView<float> spectrum, Scratch& scratch) const;
+    void forward_columns(SplitComplexView<float> spectrum, Executor& executor) const;
+    void inverse_columns(SplitComplexView<float> spectrum, Executor& executor) const;
+    /// \param rows  written, times `gain`
+    void inverse_rows(SplitComplexView<const float> spectrum, std::size_t first,
+                      float gain, PlaneView<float> rows, Scratch& scratch) const;
+
   private:
     explicit Fft2d(std::unique_ptr<detail::FftPlan2d> plan);
+    [[nodiscard]] Scratch scratch() const;
     std::unique_ptr<detail::FftPlan2d> plan_;
 };
+
+/// Memory for the rows of one thread.
+class Fft2d::Scratch {
+  public:
+    /// Memory for the caller's use, until the next call.
+    [[nodiscard]] float* floats(std::size_t count) {
+        own_.resize(std::max(count, own_.size()));
+        return own_.data();
+    }
+
+  private:
+    friend class Fft2d;
+    explicit Scratch(std::size_t floats) : values_(floats) {}
+    using Values = std::vector<
+        float, detail::UninitialisedAllocator<float, detail::CacheLineAllocator<float>>>;
+    Values values_;
+    Values own_;
+};
+
+template <class Body>
+void Fft2d::for_row_blocks(Executor& executor, const Body& body) const {
+    const std::size_t blocks = (rows() + kRowBlock - 1) / kRowBlock;
+    const std::size_t ranges = std::min(blocks, ranges_of(executor));
+    parallel_for(executor, ranges, [&](std::size_t range) {
+        Scratch memory = scratch();
+        for (std::size_t block = range * blocks / ranges;
+             block < (range + 1) * blocks / ranges; ++block) {
+            const std::size_t first = block * kRowBlock;
+            body(first, std::min(kRowBlock, rows() - first), memory);
+        }
+    });
+}
 
 /// The two-dimensional DFT of a complex plane, in place, and its inverse.
 ///
