@@ -20,9 +20,9 @@
 #define SATEEN_SYNTHESIS_APPEARANCE_ONCE
 namespace sateen {
 
-/// q(g) of one plane, in plane units: the value at each knot, and the rise to the next.
+/// q(g) of one plane, in plane units: the value between each knot and the next, and the rise.
 struct Curve {
-    std::array<float, Marginal::kKnots> value{};
+    std::array<float, Marginal::kKnots> middle{};
     std::array<float, Marginal::kKnots> rise{};
     float scale = 0;
     bool straight = true;
@@ -36,7 +36,8 @@ struct SpectralInverse {
 };
 
 /// The same columns of every plane.
-using BandPointers = std::array<float*, kMaxBands>;
+template <class T>
+using BandPointers = std::array<T*, kMaxBands>;
 
 }  // namespace sateen
 #endif
@@ -77,35 +78,42 @@ HWY_INLINE Float look_up(const Knots& knots, hn::Vec<DI> j) {
 // Linear between the knots at -3 … 3, constant outside.
 HWY_INLINE Float apply(const Curve& curve, Float g) {
     if (curve.straight) return hn::Mul(set_float(curve.scale), g);
+    // In steps between knots, from the middle of the first: rounding to a whole number finds
+    // the segment, and a number beyond 2^23 holds that in its last bits.
     constexpr float kSteps = Marginal::kKnots - 1;
-    const DF df;
+    constexpr float kWhole = 12582912.0F;  // 1.5 2^23
     const DI di;
-    const Float range = set_float(Marginal::kRange);
-    const Float inside = hn::Clamp(g, hn::Neg(range), range);
-    const Float x =
-        hn::Mul(hn::Add(inside, range), set_float(kSteps / (2 * Marginal::kRange)));
-    const auto last = hn::Set(di, static_cast<std::int32_t>(Marginal::kKnots - 2));
-    const auto j = hn::Clamp(hn::ConvertTo(di, x), hn::Zero(di), last);
-    const Float part = hn::Sub(x, hn::ConvertTo(df, j));
-    return hn::MulAdd(part, look_up(curve.rise, j), look_up(curve.value, j));
+    const Float x = hn::MulAdd(g, set_float(kSteps / (2 * Marginal::kRange)),
+                               set_float((kSteps - 1) / 2));
+    const Float inside = hn::Clamp(x, set_float(-0.5F), set_float(kSteps - 0.5F));
+    const Float whole = hn::Add(inside, set_float(kWhole));
+    const Float part = hn::Sub(inside, hn::Sub(whole, set_float(kWhole)));
+    const auto j = hn::And(hn::BitCast(di, whole), hn::Set(di, Marginal::kKnots - 1));
+    return hn::MulAdd(part, look_up(curve.rise, j), look_up(curve.middle, j));
 }
 
 // t^2.4 of normal positive numbers, to 4 units in the last place.
 //
 // The bits of a float are nearly its logarithm, so that z = kBits - bits / 5, read as a
-// float, is t^(-1/5) within 3 %. With u = t z⁵ near 1,
+// float, is t^(-1/5) within 3 %; to a multiple of 2^9, which a sum beyond 2^23 rounds to. With
+// u = t z⁵ near 1,
 //     t^2.4 = t³ (z³ u^(-3/5)) = (t z)³ u^(-3/5)
 // and u^(-3/5) is minimax in u - 1 on the range that u has (relative error 1.4e-7).
 HWY_INLINE Float power_2_4(Float t) {
     constexpr std::int32_t kBits = 0x4C2B4000;
+    constexpr float kWhole = 12582912.0F;            // 1.5 2^23, whose bits …
+    constexpr std::int32_t kWholeBits = 0x4B400000;  // … end in 0 where the sum is added
     constexpr std::array<float, 6> kP = {1.0000001415468072F,  -0.6000005808141897F,
                                          0.4798936108358336F,  -0.4158132367342438F,
                                          0.38619533141379553F, -0.35885437430277234F};
     const DF df;
     const DI di;
     const Float bits = hn::ConvertTo(df, hn::BitCast(di, t));
-    const auto fifth = hn::ConvertTo(di, hn::Mul(bits, set_float(0.2F)));
-    const Float z = hn::BitCast(df, hn::Sub(hn::Set(di, kBits), fifth));
+    const Float fifth = hn::MulAdd(bits, set_float(0.2F / 512), set_float(kWhole));
+    const auto bits_of_z = hn::Sub(
+        hn::Set(di, kBits),
+        hn::ShiftLeft<9>(hn::Sub(hn::BitCast(di, fifth), hn::Set(di, kWholeBits))));
+    const Float z = hn::BitCast(df, bits_of_z);
     const Float tz = hn::Mul(t, z);
     const Float z2 = hn::Mul(z, z);
     const Float h = hn::MulSub(tz, hn::Mul(z2, z2), set_float(1));
@@ -124,10 +132,12 @@ HWY_INLINE Float decode(Float code) {
 
 // One vector of every plane, in place.
 template <std::size_t kBands>
-HWY_INLINE void invert_step(const SpectralInverse& inverse, const BandPointers& at) {
+HWY_INLINE void invert_step(const SpectralInverse& inverse,
+                            const BandPointers<const float>& from,
+                            const BandPointers<float>& to) {
     const DF df;
     const auto q = [&](std::size_t i) HWY_ATTR {
-        return apply(inverse.curves[i], hn::LoadU(df, at[i]));
+        return apply(inverse.curves[i], hn::LoadU(df, from[i]));
     };
     const Float q0 = q(0);
     const Float q1 = kBands > 1 ? q(1) : hn::Zero(df);
@@ -139,40 +149,44 @@ HWY_INLINE void invert_step(const SpectralInverse& inverse, const BandPointers& 
         if (kBands > 1) v = hn::MulAdd(T(1), q1, v);
         if (kBands > 2) v = hn::MulAdd(T(2), q2, v);
         v = hn::Max(v, hn::Zero(df));
-        hn::StoreU(inverse.tone == Tone::srgb ? decode(v) : v, df, at[band]);
+        hn::StoreU(inverse.tone == Tone::srgb ? decode(v) : v, df, to[band]);
     }
 }
 
 template <std::size_t kBands>
-void invert_bands(const SpectralInverse& inverse, const BandPointers& row,
-                  std::size_t count) {
+void invert_bands(const SpectralInverse& inverse, BandPointers<const float> from,
+                  BandPointers<float> to, std::size_t count) {
     const std::size_t lanes = hn::Lanes(DF());
-    BandPointers at = row;
     std::size_t c = 0;
     for (; c + lanes <= count; c += lanes) {
-        invert_step<kBands>(inverse, at);
-        for (std::size_t band = 0; band < kBands; ++band) at[band] += lanes;
+        invert_step<kBands>(inverse, from, to);
+        for (std::size_t band = 0; band < kBands; ++band) {
+            from[band] += lanes;
+            to[band] += lanes;
+        }
     }
     if (c == count) return;
     // The last pixels in a vector of their own, filled up with zeros.
     using Piece = std::array<float, HWY_MAX_BYTES / sizeof(float)>;
     std::array<Piece, kBands> pieces{};
-    BandPointers piece{};
+    BandPointers<float> piece{};
     for (std::size_t band = 0; band < kBands; ++band) {
         piece[band] = pieces[band].data();
-        std::copy_n(at[band], count - c, piece[band]);
+        std::copy_n(from[band], count - c, piece[band]);
+        from[band] = piece[band];
     }
-    invert_step<kBands>(inverse, piece);
+    invert_step<kBands>(inverse, from, piece);
     for (std::size_t band = 0; band < kBands; ++band)
-        std::copy_n(piece[band], count - c, at[band]);
+        std::copy_n(piece[band], count - c, to[band]);
 }
 
 void invert_row(const SpectralInverse& inverse, std::size_t bands,
-                const BandPointers& row, std::size_t count) {
+                const BandPointers<const float>& from, const BandPointers<float>& to,
+                std::size_t count) {
     if (bands == 1)
-        invert_bands<1>(inverse, row, count);
+        invert_bands<1>(inverse, from, to, count);
     else
-        invert_bands<kMaxBands>(inverse, row, count);
+        invert_bands<kMaxBands>(inverse, from, to, count);
 }
 
 }  // namespace
@@ -190,10 +204,12 @@ Curve curve_of(const Marginal& marginal) {
     curve.scale = marginal.scale;
     curve.straight = marginal.knots.empty();
     if (curve.straight) return curve;
-    for (std::size_t j = 0; j < Marginal::kKnots; ++j)
-        curve.value[j] = marginal.knots[j] * marginal.scale;
-    for (std::size_t j = 0; j + 1 < Marginal::kKnots; ++j)
-        curve.rise[j] = curve.value[j + 1] - curve.value[j];
+    for (std::size_t j = 0; j + 1 < Marginal::kKnots; ++j) {
+        const float from = marginal.knots[j] * marginal.scale;
+        const float to = marginal.knots[j + 1] * marginal.scale;
+        curve.middle[j] = 0.5F * (from + to);
+        curve.rise[j] = to - from;
+    }
     return curve;
 }
 
@@ -211,15 +227,26 @@ SpectralInverse inverse_of(const Subspace& subspace, std::size_t bands) {
 
 }  // namespace
 
+void invert_spectral(const Subspace& subspace, ImageView<const float> fields,
+                     std::span<const PlaneView<float>> out, Executor& executor) {
+    const SpectralInverse inverse = inverse_of(subspace, fields.bands);
+    parallel_for(executor, fields.rows, [&](std::size_t r) {
+        BandPointers<const float> from{};
+        BandPointers<float> to{};
+        for (std::size_t band = 0; band < fields.bands; ++band) {
+            from[band] = fields.plane(band).row(r);
+            to[band] = out[band].row(r);
+        }
+        HWY_DYNAMIC_DISPATCH(invert_row)(inverse, fields.bands, from, to, fields.cols);
+    });
+}
+
 void invert_spectral(const Subspace& subspace, ImageView<float> planes,
                      Executor& executor) {
-    const SpectralInverse inverse = inverse_of(subspace, planes.bands);
-    parallel_for(executor, planes.rows, [&](std::size_t r) {
-        BandPointers row{};
-        for (std::size_t band = 0; band < planes.bands; ++band)
-            row[band] = planes.plane(band).row(r);
-        HWY_DYNAMIC_DISPATCH(invert_row)(inverse, planes.bands, row, planes.cols);
-    });
+    std::array<PlaneView<float>, kMaxBands> out;
+    for (std::size_t band = 0; band < planes.bands; ++band)
+        out[band] = planes.plane(band);
+    invert_spectral(subspace, planes, std::span(out).first(planes.bands), executor);
 }
 
 }  // namespace sateen

@@ -11,79 +11,43 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "synthesis/complex_vector-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace sateen::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
+/// One matrix a lane.
 template <class D>
-struct Complex {
-    hn::Vec<D> re;
-    hn::Vec<D> im;
-};
-
-/// A cyclic sweep of Jacobi's method squares the off-diagonal elements, once they are small;
-/// four sweeps do for single precision from any start, planes that are nearly uncorrelated
-/// need fewer.
-constexpr int kSweeps = 4;
-/// Of trace 1: elements of 1e-7 change the root by no more than its rounding.
-constexpr float kConverged = 1e-14F;
-
-/// One matrix a lane: H = V diag(λ) Vᴴ, the upper triangle of H.
-template <class D>
-struct Eigen3 {
+struct Hermitian3 {
     hn::Vec<D> diagonal[3];
     Complex<D> upper[3];  ///< (0,1), (0,2), (1,2)
-    Complex<D> V[9];
 };
 
-/// a ← c (a - w b), b ← c (b + w̄ a): the columns p and q of a matrix after the rotation.
-template <class D>
-HWY_INLINE void rotate(hn::Vec<D> c, const Complex<D>& w, Complex<D>& a, Complex<D>& b) {
-    const Complex<D> old = a;
-    a = {hn::Mul(c, hn::MulAdd(w.im, b.im, hn::NegMulAdd(w.re, b.re, a.re))),
-         hn::Mul(c, hn::NegMulAdd(w.im, b.re, hn::NegMulAdd(w.re, b.im, a.im)))};
-    b = {hn::Mul(c, hn::MulAdd(w.im, old.im, hn::MulAdd(w.re, old.re, b.re))),
-         hn::Mul(c, hn::NegMulAdd(w.im, old.re, hn::MulAdd(w.re, old.im, b.im)))};
-}
-
-// Annihilates the element (p, q), h, by the unitary [c  c w̄; -c w  c] of columns p and q:
-//
-//     x = (H_qq - H_pp)/2    w = h̄ sgn x / (|x| + √(x² + |h|²))    c = 1/√(1 + |w|²)
-//
-//     H_pp ← H_pp - w h    H_qq ← H_qq + w h        (w h is real)
-//
-// Unitary whatever w is, so an element whose square underflows does no harm.
-// `rp` and `rq` are the elements of the third row in columns p and q.
-template <class D>
-HWY_INLINE void annihilate(D d, std::size_t p, std::size_t q, Complex<D>& h,
-                           Complex<D>& rp, Complex<D>& rq, Eigen3<D>& H) {
-    const auto one = hn::Set(d, 1.0F);
-    const auto squared = hn::MulAdd(h.re, h.re, hn::Mul(h.im, h.im));
-    const auto x = hn::Mul(hn::Set(d, 0.5F), hn::Sub(H.diagonal[q], H.diagonal[p]));
-    const auto length = hn::Add(hn::Abs(x), hn::Sqrt(hn::MulAdd(x, x, squared)));
-    const auto factor =
-        hn::CopySign(hn::Div(one, hn::Max(length, hn::Set(d, 1e-15F))), x);
-    const Complex<D> w = {hn::Mul(factor, h.re), hn::Neg(hn::Mul(factor, h.im))};
-    const auto shift = hn::Mul(factor, squared);
-    const auto c =
-        hn::Div(one, hn::Sqrt(hn::MulAdd(w.re, w.re, hn::MulAdd(w.im, w.im, one))));
-    H.diagonal[p] = hn::Sub(H.diagonal[p], shift);
-    H.diagonal[q] = hn::Add(H.diagonal[q], shift);
-    h = {hn::Zero(d), hn::Zero(d)};
-    rotate<D>(c, w, rp, rq);
-    for (std::size_t k = 0; k < 3; ++k) rotate<D>(c, w, H.V[3 * k + p], H.V[3 * k + q]);
+template <class D, class T>
+HWY_INLINE Hermitian3<D> load(D d, const HermitianRows<T>& rows, std::size_t n) {
+    const auto at = [&](std::size_t k) HWY_ATTR { return hn::LoadU(d, rows[k] + n); };
+    return {{at(0), at(4), at(8)}, {{at(1), at(3)}, {at(2), at(6)}, {at(5), at(7)}}};
 }
 
 template <class D>
-HWY_INLINE bool is_diagonal(D d, const Eigen3<D>& H) {
-    auto sum = hn::Zero(d);
+HWY_INLINE void store(D d, const Hermitian3<D>& H, const HermitianRows<float>& rows,
+                      std::size_t n) {
+    constexpr std::size_t kRe[3] = {1, 2, 5};
+    constexpr std::size_t kIm[3] = {3, 6, 7};
     for (std::size_t k = 0; k < 3; ++k) {
-        sum = hn::MulAdd(H.upper[k].re, H.upper[k].re, sum);
-        sum = hn::MulAdd(H.upper[k].im, H.upper[k].im, sum);
+        hn::StoreU(H.diagonal[k], d, rows[4 * k] + n);
+        hn::StoreU(H.upper[k].re, d, rows[kRe[k]] + n);
+        hn::StoreU(H.upper[k].im, d, rows[kIm[k]] + n);
     }
-    return hn::AllTrue(d, hn::Lt(sum, hn::Set(d, kConverged)));
+}
+
+/// a b - c x: an element of the adjugate; rounded once less than products would be.
+template <class D>
+HWY_INLINE Complex<D> cofactor(const Complex<D>& a, const Complex<D>& b,
+                               const Complex<D>& c, hn::Vec<D> x) {
+    return {hn::MulAdd(a.re, b.re, hn::Neg(hn::MulAdd(a.im, b.im, hn::Mul(c.re, x)))),
+            hn::MulAdd(a.im, b.re, hn::NegMulAdd(c.im, x, hn::Mul(a.re, b.im)))};
 }
 
 template <class D>
@@ -91,100 +55,231 @@ HWY_INLINE Complex<D> conjugate(const Complex<D>& z) {
     return {z.re, hn::Neg(z.im)};
 }
 
+// Divisions and roots of whole vectors take longer than all the rest: reciprocals are
+// approximated, to 12 bits or more, and where that is too little improved by a step of Newton's
+// method.
+
+/// √q to 12 bits.
 template <class D>
-HWY_INLINE void sweep(D d, Eigen3<D>& H) {
-    Complex<D>& h01 = H.upper[0];
-    Complex<D>& h02 = H.upper[1];
-    Complex<D>& h12 = H.upper[2];
-    // Third rows: H_20 = conj H_02, H_21 = conj H_12; H_10 and H_12; H_01 and H_02.
-    Complex<D> h20 = conjugate<D>(h02);
-    Complex<D> h21 = conjugate<D>(h12);
-    annihilate(d, 0, 1, h01, h20, h21, H);
-    h02 = conjugate<D>(h20);
-    h12 = conjugate<D>(h21);
-    Complex<D> h10 = conjugate<D>(h01);
-    annihilate(d, 0, 2, h02, h10, h12, H);
-    h01 = conjugate<D>(h10);
-    annihilate(d, 1, 2, h12, h01, h02, H);
+HWY_INLINE hn::Vec<D> rough_sqrt(D d, hn::Vec<D> q) {
+    return hn::Mul(q, hn::ApproximateReciprocalSqrt(hn::Max(q, hn::Set(d, 1e-20F))));
+}
+
+/// 1/√q for q > 0.
+template <class D>
+HWY_INLINE hn::Vec<D> reciprocal_sqrt(D d, hn::Vec<D> q) {
+    const auto r = hn::ApproximateReciprocalSqrt(q);
+    const auto half = hn::Mul(hn::Mul(hn::Set(d, 0.5F), q), r);
+    return hn::MulAdd(r, hn::NegMulAdd(half, r, hn::Set(d, 0.5F)), r);
+}
+
+/// 1/c for c > 0.
+template <class D>
+HWY_INLINE hn::Vec<D> reciprocal(D d, hn::Vec<D> c) {
+    const auto r = hn::ApproximateReciprocal(c);
+    return hn::MulAdd(r, hn::NegMulAdd(c, r, hn::Set(d, 1.0F)), r);
+}
+
+/// Below this of the squared trace the second invariant of a matrix is rounding.
+constexpr float kSmallestInvariant = 1e-7F;
+
+// X = S^{1/2} from the invariants of both. Of S, scaled to a trace I1 near 1: the sum I2 of
+// its principal minors and I3 = det S, both from the adjugate A,
+//
+//     I2 = tr A,    I3 = (A11 A22 - |A12|²) / S00
+//
+// which loses half as many digits as the determinant. Of X: i3 = √I3, and i1, i2 solve
+//
+//     i1² = I1 + 2 i2,    i2² = I2 + 2 i3 i1
+//
+// of which two fixed-point steps from √2 + (√3 - √2) √27 i3, right for three and for two
+// equal eigenvalues, leave an error of 5e-4 and a step of Newton's method 1e-7. By the
+// theorem of Cayley and Hamilton
+//
+//     X = (i2 S + (I2 + i1 i3) 1 - A) / (i1 i2 - i3)
+//
+// The chain from S to i2 is long and has few operations, so it runs over a piece of the row
+// by itself: many vectors are then on their way at a time.
+
+/// Frequencies of a piece.
+constexpr std::size_t kPiece = 64;
+
+/// Of a piece: what the equations of i1 and i2 need, or X = a S + b 1 + g (I2 1 - A).
+struct Invariants {
+    HWY_ALIGN float unit[kPiece];  ///< 1/tr S, nearly
+    HWY_ALIGN float I1[kPiece];
+    HWY_ALIGN float I2[kPiece];
+    HWY_ALIGN float I3_S00[kPiece];
+    HWY_ALIGN float S00[kPiece];
+};
+struct RootFactors {
+    HWY_ALIGN float a[kPiece];
+    HWY_ALIGN float b[kPiece];
+    HWY_ALIGN float g[kPiece];
+};
+
+/// The adjugate of S, diagonal and upper triangle.
+template <class D>
+HWY_INLINE Hermitian3<D> adjugate(D d, const Hermitian3<D>& S) {
+    const auto minor = [&](std::size_t i, std::size_t j, const Complex<D>& h) HWY_ATTR {
+        const auto rest =
+            hn::NegMulAdd(h.re, h.re, hn::Mul(S.diagonal[i], S.diagonal[j]));
+        return hn::Max(hn::NegMulAdd(h.im, h.im, rest), hn::Zero(d));
+    };
+    const Complex<D>(&b)[3] = S.upper;
+    return {{minor(1, 2, b[2]), minor(0, 2, b[1]), minor(0, 1, b[0])},
+            {cofactor<D>(b[1], conjugate<D>(b[2]), b[0], S.diagonal[2]),
+             cofactor<D>(b[0], b[2], b[1], S.diagonal[1]),
+             cofactor<D>(b[1], conjugate<D>(b[0]), b[2], S.diagonal[0])}};
 }
 
 template <class D>
-HWY_INLINE void root_of_vector(D d, const HermitianRows<float>& rows, std::size_t n) {
-    const auto trace =
-        hn::Add(hn::LoadU(d, rows[0] + n),
-                hn::Add(hn::LoadU(d, rows[4] + n), hn::LoadU(d, rows[8] + n)));
-    const auto none = hn::Lt(trace, hn::Set(d, 1e-30F));
-    const auto unit = hn::IfThenZeroElse(none, hn::Div(hn::Set(d, 1.0F), trace));
-    const auto load = [&](std::size_t k)
-                          HWY_ATTR { return hn::Mul(unit, hn::LoadU(d, rows[k] + n)); };
-    Eigen3<D> H;
-    for (std::size_t i = 0; i < 3; ++i) H.diagonal[i] = load(4 * i);
-    H.upper[0] = {load(1), load(3)};
-    H.upper[1] = {load(2), load(6)};
-    H.upper[2] = {load(5), load(7)};
-    for (std::size_t k = 0; k < 9; ++k)
-        H.V[k] = {hn::Set(d, k % 4 == 0 ? 1.0F : 0.0F), hn::Zero(d)};
-    for (int k = 0; k < kSweeps && !is_diagonal(d, H); ++k) sweep(d, H);
-    const auto size = hn::IfThenZeroElse(none, trace);
-    hn::Vec<D> root[3];
-    for (std::size_t k = 0; k < 3; ++k)
-        root[k] = hn::Sqrt(hn::Mul(size, hn::Max(H.diagonal[k], hn::Zero(d))));
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = i; j < 3; ++j) {
-            auto re = hn::Zero(d);
-            auto im = hn::Zero(d);
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Complex<D>& a = H.V[3 * i + k];
-                const Complex<D>& b = H.V[3 * j + k];
-                const auto a_re = hn::Mul(a.re, root[k]);
-                const auto a_im = hn::Mul(a.im, root[k]);
-                re = hn::MulAdd(a_re, b.re, hn::MulAdd(a_im, b.im, re));
-                im = hn::MulAdd(a_im, b.re, hn::NegMulAdd(a_re, b.im, im));
-            }
-            hn::StoreU(re, d, rows[3 * i + j] + n);
-            if (i != j) hn::StoreU(im, d, rows[3 * j + i] + n);
-        }
+HWY_INLINE void find_invariants(D d, const Hermitian3<D>& S, std::size_t at,
+                                Invariants& out) {
+    const Hermitian3<D> A = adjugate(d, S);
+    const auto trace = hn::Add(S.diagonal[0], hn::Add(S.diagonal[1], S.diagonal[2]));
+    const auto unit = hn::ApproximateReciprocal(hn::Max(trace, hn::Set(d, 1e-20F)));
+    const auto scaled = [&](hn::Vec<D> x) HWY_ATTR { return hn::Mul(unit, x); };
+    const auto I2 = hn::Add(A.diagonal[0], hn::Add(A.diagonal[1], A.diagonal[2]));
+    const auto re = scaled(A.upper[2].re);
+    const auto im = scaled(A.upper[2].im);
+    const auto rest =
+        hn::NegMulAdd(re, re, hn::Mul(scaled(A.diagonal[1]), scaled(A.diagonal[2])));
+    const auto I3_S00 = hn::Max(hn::NegMulAdd(im, im, rest), hn::Zero(d));
+    hn::Store(unit, d, out.unit + at);
+    hn::Store(hn::Max(scaled(trace), hn::Set(d, 0.5F)), d, out.I1 + at);
+    hn::Store(scaled(scaled(I2)), d, out.I2 + at);
+    hn::Store(scaled(scaled(I3_S00)), d, out.I3_S00 + at);
+    hn::Store(scaled(S.diagonal[0]), d, out.S00 + at);
 }
 
 template <class D>
-HWY_INLINE void multiply_vector(D d, const HermitianRows<const float>& X,
-                                const std::array<float, 3>& gains, const ComplexRows& w,
-                                const ComplexRows& y, std::size_t n) {
+HWY_INLINE void find_factors(D d, const Invariants& in, std::size_t at,
+                             RootFactors& out) {
+    const auto two = hn::Set(d, 2.0F);
+    const auto I1 = hn::Load(d, in.I1 + at);
+    const auto I2 = hn::Load(d, in.I2 + at);
+    const auto I3_S00 = hn::Load(d, in.I3_S00 + at);
+    const auto product = hn::Mul(I3_S00, hn::Load(d, in.S00 + at));
+    const auto i3 =
+        hn::Mul(I3_S00, reciprocal_sqrt(d, hn::Max(product, hn::Set(d, 1e-30F))));
+    const auto twice_i3 = hn::Add(i3, i3);
+    auto i1 = hn::MulAdd(hn::Set(d, 1.6515F), i3, hn::Set(d, 1.41421F));
+    for (int step = 0; step < 2; ++step)
+        i1 = rough_sqrt(d,
+                        hn::MulAdd(two, rough_sqrt(d, hn::MulAdd(twice_i3, i1, I2)), I1));
+    const auto q = hn::Max(hn::MulAdd(twice_i3, i1, I2), hn::Set(d, 1e-20F));
+    const auto x = hn::Mul(q, reciprocal_sqrt(d, q));
+    const auto excess = hn::NegMulAdd(two, x, hn::MulSub(i1, i1, I1));
+    const auto slope = hn::Mul(two, hn::MulSub(i1, x, i3));
+    i1 = hn::NegMulAdd(hn::Mul(x, hn::ApproximateReciprocal(slope)), excess, i1);
+    const auto i2_squared =
+        hn::Max(hn::MulAdd(twice_i3, i1, I2), hn::Set(d, kSmallestInvariant));
+    const auto i2 = hn::Mul(i2_squared, reciprocal_sqrt(d, i2_squared));
+    // Back to the size of S.
+    const auto unit = hn::Load(d, in.unit + at);
+    const auto scale =
+        hn::Mul(reciprocal_sqrt(d, unit), reciprocal(d, hn::MulSub(i1, i2, i3)));
+    const auto unit_scale = hn::Mul(unit, scale);
+    hn::Store(hn::Mul(i2, unit_scale), d, out.a + at);
+    hn::Store(hn::Mul(scale, hn::Mul(i1, i3)), d, out.b + at);
+    hn::Store(hn::Mul(unit, unit_scale), d, out.g + at);
+}
+
+template <class D>
+HWY_INLINE Hermitian3<D> root(D d, const Hermitian3<D>& S, const RootFactors& factors,
+                              std::size_t at) {
+    const Hermitian3<D> A = adjugate(d, S);
+    const auto a = hn::Load(d, factors.a + at);
+    const auto b = hn::Load(d, factors.b + at);
+    const auto g = hn::Load(d, factors.g + at);
+    const auto element = [&](hn::Vec<D> s, hn::Vec<D> adjoint)
+                             HWY_ATTR { return hn::MulSub(a, s, hn::Mul(g, adjoint)); };
+    Hermitian3<D> X;
+    for (std::size_t k = 0; k < 3; ++k) {
+        // I2 - A00 = A11 + A22: zero rows stay zero.
+        const auto others = hn::Add(A.diagonal[(k + 1) % 3], A.diagonal[(k + 2) % 3]);
+        X.diagonal[k] = hn::MulAdd(a, S.diagonal[k], hn::MulAdd(g, others, b));
+        X.upper[k] = {element(S.upper[k].re, A.upper[k].re),
+                      element(S.upper[k].im, A.upper[k].im)};
+    }
+    return X;
+}
+
+/// y_i = Σ_j X_ij w_j
+template <class D>
+HWY_INLINE void multiply(D d, const Hermitian3<D>& X, const ComplexRows<const float>& w,
+                         const ComplexRows<float>& y, std::size_t n) {
     Complex<D> in[3];
-    for (std::size_t j = 0; j < 3; ++j)
-        in[j] = {hn::LoadU(d, w.re[j] + n), hn::LoadU(d, w.im[j] + n)};
+    Complex<D> out[3];
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto diagonal = hn::LoadU(d, X[4 * i] + n);
-        auto re = hn::Mul(diagonal, in[i].re);
-        auto im = hn::Mul(diagonal, in[i].im);
-        for (std::size_t j = 0; j < 3; ++j) {
-            if (j == i) continue;
-            const auto a = hn::LoadU(d, X[i < j ? 3 * i + j : 3 * j + i] + n);
-            const auto imaginary = hn::LoadU(d, X[i < j ? 3 * j + i : 3 * i + j] + n);
-            const auto b = i < j ? imaginary : hn::Neg(imaginary);
-            re = hn::NegMulAdd(b, in[j].im, hn::MulAdd(a, in[j].re, re));
-            im = hn::MulAdd(b, in[j].re, hn::MulAdd(a, in[j].im, im));
-        }
-        const auto gain = hn::Set(d, gains[i]);
-        hn::StoreU(hn::Mul(gain, re), d, y.re[i] + n);
-        hn::StoreU(hn::Mul(gain, im), d, y.im[i] + n);
+        in[i] = {hn::LoadU(d, w.re[i] + n), hn::LoadU(d, w.im[i] + n)};
+        out[i] = {hn::Mul(X.diagonal[i], in[i].re), hn::Mul(X.diagonal[i], in[i].im)};
+    }
+    constexpr std::size_t kRow[3] = {0, 0, 1};
+    constexpr std::size_t kCol[3] = {1, 2, 2};
+    for (std::size_t k = 0; k < 3; ++k) {
+        add_product<D>(X.upper[k], in[kCol[k]], out[kRow[k]]);
+        add_product_conjugate<D>(in[kRow[k]], X.upper[k], out[kCol[k]]);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        hn::StoreU(out[i].re, d, y.re[i] + n);
+        hn::StoreU(out[i].im, d, y.im[i] + n);
+    }
+}
+
+/// body(d, n) for whole vectors, then for single frequencies.
+template <class Body>
+HWY_INLINE void for_each_vector(std::size_t count, const Body& body) {
+    const hn::ScalableTag<float> d;
+    std::size_t n = 0;
+    for (; n + hn::Lanes(d) <= count; n += hn::Lanes(d)) body(d, n);
+    for (; n < count; ++n) body(hn::CappedTag<float, 1>(), n);
+}
+
+/// take(d, n, X) with the roots at the frequencies from n on.
+template <class T, class Take>
+HWY_INLINE void for_each_root(const HermitianRows<T>& S, std::size_t count,
+                              const Take& take) {
+    Invariants invariants;
+    RootFactors factors;
+    for (std::size_t first = 0; first < count; first += kPiece) {
+        const std::size_t piece = std::min(kPiece, count - first);
+        for_each_vector(piece, [&](auto d, std::size_t at) HWY_ATTR {
+            find_invariants(d, load(d, S, first + at), at, invariants);
+        });
+        for_each_vector(piece, [&](auto d, std::size_t at) HWY_ATTR {
+            find_factors(d, invariants, at, factors);
+        });
+        for_each_vector(piece, [&](auto d, std::size_t at) HWY_ATTR {
+            take(d, first + at, root(d, load(d, S, first + at), factors, at));
+        });
     }
 }
 
 void root_rows(const HermitianRows<float>& rows, std::size_t count) {
-    const hn::ScalableTag<float> d;
-    std::size_t n = 0;
-    for (; n + hn::Lanes(d) <= count; n += hn::Lanes(d)) root_of_vector(d, rows, n);
-    for (; n < count; ++n) root_of_vector(hn::CappedTag<float, 1>(), rows, n);
+    for_each_root(rows, count, [&](auto d, std::size_t n, const auto& X) HWY_ATTR {
+        store(d, X, rows, n);
+    });
+}
+
+void multiply_root_rows(const HermitianRows<const float>& S,
+                        const ComplexRows<const float>& w, const ComplexRows<float>& y,
+                        std::size_t count) {
+    for_each_root(S, count, [&](auto d, std::size_t n, const auto& X) HWY_ATTR {
+        multiply(d, X, w, y, n);
+    });
 }
 
 void multiply_rows(const HermitianRows<const float>& X, const std::array<float, 3>& gains,
-                   const ComplexRows& w, const ComplexRows& y, std::size_t count) {
-    const hn::ScalableTag<float> d;
-    std::size_t n = 0;
-    for (; n + hn::Lanes(d) <= count; n += hn::Lanes(d))
-        multiply_vector(d, X, gains, w, y, n);
-    for (; n < count; ++n) multiply_vector(hn::CappedTag<float, 1>(), X, gains, w, y, n);
+                   const ComplexRows<const float>& w, const ComplexRows<float>& y,
+                   std::size_t count) {
+    for_each_vector(count, [&](auto d, std::size_t n) HWY_ATTR {
+        multiply(d, load(d, X, n), w, y, n);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (float* row : {y.re[i] + n, y.im[i] + n})
+                hn::StoreU(hn::Mul(hn::Set(d, gains[i]), hn::LoadU(d, row)), d, row);
+    });
 }
 
 }  // namespace
@@ -195,15 +290,23 @@ HWY_AFTER_NAMESPACE();
 namespace sateen {
 
 HWY_EXPORT(root_rows);
+HWY_EXPORT(multiply_root_rows);
 HWY_EXPORT(multiply_rows);
 
 void hermitian_root(const HermitianRows<float>& S, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(root_rows)(S, count);
 }
 
+void multiply_by_root(const HermitianRows<const float>& S,
+                      const ComplexRows<const float>& w, const ComplexRows<float>& y,
+                      std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(multiply_root_rows)(S, w, y, count);
+}
+
 void multiply_hermitian(const HermitianRows<const float>& X,
-                        const std::array<float, 3>& gains, const ComplexRows& w,
-                        const ComplexRows& y, std::size_t count) {
+                        const std::array<float, 3>& gains,
+                        const ComplexRows<const float>& w, const ComplexRows<float>& y,
+                        std::size_t count) {
     HWY_DYNAMIC_DISPATCH(multiply_rows)(X, gains, w, y, count);
 }
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "synthesis/hermitian_matrix.hpp"
-#include "synthesis/joint_field.hpp"
 
 namespace sateen {
 namespace {
@@ -148,7 +147,9 @@ Image root_of(ImageView<const float> density, Executor& executor) {
     if (density.bands == 1)
         for (float& value : root.values()) value = std::sqrt(value);
     else
-        hermitian_root(root.view(), executor);
+        parallel_for(executor, root.rows(), [&](std::size_t m) {
+            hermitian_root(hermitian_rows(root.view(), m), root.cols());
+        });
     return root;
 }
 
@@ -226,10 +227,11 @@ Result<OverlapSave> OverlapSave::create(ImageView<const float> density, std::siz
 
 void OverlapSave::apply_filter(std::span<SplitComplexPlane> spectra) const {
     for (std::size_t m = 0; m < fft_.rows(); ++m) {
-        ComplexRows y;
+        ComplexRows<float> y;
+        ComplexRows<const float> w;
         for (std::size_t i = 0; i < planes_; ++i) {
-            y.re[i] = spectra[i].view().re.row(m);
-            y.im[i] = spectra[i].view().im.row(m);
+            w.re[i] = y.re[i] = spectra[i].view().re.row(m);
+            w.im[i] = y.im[i] = spectra[i].view().im.row(m);
         }
         if (planes_ == 1) {
             const float* filter = filter_.plane(0).row(m);
@@ -239,7 +241,7 @@ void OverlapSave::apply_filter(std::span<SplitComplexPlane> spectra) const {
                 y.im[0][n] *= factor;
             }
         } else {
-            multiply_hermitian(hermitian_rows(filter_.view(), m), gains_, y, y,
+            multiply_hermitian(hermitian_rows(filter_.view(), m), gains_, w, y,
                                fft_.spectrum_cols());
         }
     }

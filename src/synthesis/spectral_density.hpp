@@ -3,14 +3,19 @@
 // density. Theory: docs/theory/spectral_synthesis.md. Partner: analysis/autocovariance.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
 
+#include "sateen/core/fft.hpp"
 #include "sateen/core/image.hpp"
 #include "sateen/core/parallel.hpp"
 #include "sateen/material/field_model.hpp"
 #include "sateen/material/material.hpp"
+#include "synthesis/hermitian_matrix.hpp"
+#include "synthesis/level_density.hpp"
 
 namespace sateen {
 
@@ -45,13 +50,60 @@ struct PlaneField {
 ///
 ///     E_k(ω) = S_k(ω) + 4 W²(ω) E_{k+1}(2ω),    W the transfer function of the kernel,
 ///
-/// n = 0 … ⌊cols/2⌋. Levels drawn independently have exactly this density on average.
-/// Any size; odd ones evaluate the coarser levels at the doubled frequencies.
-/// \returns  (1, rows, ⌊cols/2⌋ + 1); for d planes (d², …) the Hermitian matrix E: element
-///           (i, j) is Re E_ij for i ≤ j, Im E_ji for i > j
-/// \cost  about 10 multiply-adds a frequency and level; about 300 for 3 planes
+/// n = 0 … ⌊cols/2⌋, row by row: the finest level, three quarters of the work, is never
+/// held. Any size; odd ones evaluate the coarser levels at the doubled frequencies.
+class SpectralDensity {
+  public:
+    SpectralDensity(const PlaneField& field, std::size_t rows, std::size_t cols,
+                    Executor& executor);
+    SpectralDensity(const SpectralDensity&) = delete;
+    SpectralDensity& operator=(const SpectralDensity&) = delete;
+
+    /// \param out  for d planes d² rows of padded_columns(⌊cols/2⌋ + 1), written; element
+    ///             (i, j) of the matrix E is row d i + j, Re E_ij for i ≤ j, Im E_ji for i > j
+    void row(std::size_t m, const HermitianRows<float>& out) const;
+
+  private:
+    Frequencies rows_;
+    Frequencies cols_;
+    LevelDensity finest_;
+    std::size_t planes_;
+    Image coarse_;  ///< E_{k+1}: (its rows, d², its columns); empty where there is none
+    std::vector<float> row_gain_;
+    std::vector<float> col_gain_;
+};
+
+/// All rows. \returns  (d², rows, ⌊cols/2⌋ + 1)
 [[nodiscard]] Image spectral_density(const PlaneField& field, std::size_t rows,
                                      std::size_t cols, Executor& executor);
+
+/// Rows of the matrices of d planes.
+class DensityScratch {
+  public:
+    DensityScratch(std::size_t planes, std::size_t count);
+    [[nodiscard]] const HermitianRows<float>& rows() const { return rows_; }
+
+  private:
+    Image values_;
+    HermitianRows<float> rows_{};
+};
+
+/// All rows 0 … rows - 1, those that need the same rows of the coarser level together: m and
+/// m + rows/2 have the frequency 2ω1 in common, -m has its mirror image.
+[[nodiscard]] std::vector<std::size_t> rows_in_step(std::size_t rows);
+
+/// body(m, E) for every row, with memory for its densities.
+template <class Body>
+void for_each_density_row(Executor& executor, std::size_t planes, std::size_t rows,
+                          std::size_t count, const Body& body) {
+    const std::vector<std::size_t> order = rows_in_step(rows);
+    const std::size_t ranges = std::min(rows, ranges_of(executor));
+    parallel_for(executor, ranges, [&](std::size_t range) {
+        const DensityScratch scratch(planes, count);
+        for (std::size_t i = range * rows / ranges; i < (range + 1) * rows / ranges; ++i)
+            body(order[i], scratch.rows());
+    });
+}
 
 /// Takes away what the sample could not show: wavelengths longer than itself. The
 /// sample's own frequencies are multiples of 2π/M and 2π/N, its mean was removed, so the
@@ -62,6 +114,9 @@ struct PlaneField {
 /// A model extrapolates there: near a unit root, into clouds larger than the sample.
 void suppress_unmeasured(const PlaneField& field, PlaneView<float> density,
                          std::size_t cols);
+/// One row of a torus.
+void suppress_unmeasured(const PlaneField& field, std::size_t m, std::size_t rows,
+                         std::size_t cols, std::span<float> density);
 
 /// The mean of a density over the whole torus: the variance of the field.
 [[nodiscard]] double mean_density(PlaneView<const float> density, std::size_t cols);

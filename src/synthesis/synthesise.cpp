@@ -11,7 +11,6 @@
 #include "sateen/core/fft.hpp"
 #include "synthesis/appearance.hpp"
 #include "synthesis/infinite_field.hpp"
-#include "synthesis/joint_field.hpp"
 #include "synthesis/noise_bands.hpp"
 #include "synthesis/periodic_layer.hpp"
 #include "synthesis/recursive_field.hpp"
@@ -90,87 +89,82 @@ std::vector<PlaneField> independent_fields(const Material& material,
     return fields;
 }
 
-/// White noise coloured with the densities of a field and transformed back: planes
-/// field.plane … of `planes`. \param spectra  written, may be the noise
-void draw_coloured(const PlaneField& field, const Fft2d& fft,
-                   std::span<const SplitComplexPlane> noise,
-                   std::span<SplitComplexPlane> spectra, ImageView<float> planes,
-                   Executor& executor) {
-    if (field.planes == 1)
-        colour_noise(field, fft.cols(), noise[0].view(), spectra[0].view(), executor);
-    else
-        colour_joint_noise(field, fft.cols(), noise, spectra, executor);
-    for (std::size_t i = 0; i < field.planes; ++i)
-        fft.inverse(spectra[i].view(), planes.plane(field.plane + i), executor);
+/// Rows [first, first + count) of every plane.
+std::vector<PlaneView<float>> windows_of(ImageView<float> image, std::size_t first,
+                                         std::size_t count) {
+    std::vector<PlaneView<float>> windows;
+    for (std::size_t plane = 0; plane < image.bands; ++plane)
+        windows.push_back(image.plane(plane).window(first, 0, count, image.cols));
+    return windows;
 }
 
-/// A spectrum for each plane of the field that draws most of them at once.
-std::vector<SplitComplexPlane> spectra_for(std::span<const PlaneField> fields,
-                                           const Fft2d& fft) {
-    std::vector<SplitComplexPlane> spectra;
-    for (const PlaneField& field : fields)
-        while (spectra.size() < field.planes)
-            spectra.emplace_back(fft.rows(), fft.spectrum_cols(), uninitialised);
-    return spectra;
-}
-
-/// All planes of one subspace on one torus, standard normal. The noise is drawn where the
-/// texture will stand, and the planes take turns in one spectrum: memory that is touched
-/// for the first time takes longer than to colour it.
-Result<Image> draw_torus(const Material& material, const Subspace& subspace,
-                         const SynthesisOptions& options, Executor& executor) {
-    SATEEN_TRY(const Fft2d fft, Fft2d::create(options.rows, options.cols));
-    const std::vector<PlaneField> fields = independent_fields(material, subspace);
-    std::vector<SplitComplexPlane> spectra = spectra_for(fields, fft);
-    Image planes(material.bands, options.rows, options.cols, uninitialised);
-    for (const PlaneField& field : fields) {
-        for (std::size_t i = 0; i < field.planes; ++i) {
-            const std::size_t plane = field.plane + i;
-            draw_noise(options.seed, noise_band(static_cast<std::uint32_t>(plane)),
-                       planes.plane(plane), executor);
-            fft.forward(planes.plane(plane), spectra[i].view(), executor);
-        }
-        draw_coloured(field, fft, spectra, spectra, planes.view(), executor);
-    }
-    return planes;
-}
-
-/// The Fourier transforms of the white noise of every plane of one torus, shared by all
-/// subspaces.
-class ToroidalNoise {
+/// Noise and textures of all planes of a material on one torus.
+class Torus {
   public:
-    static Result<ToroidalNoise> create(const Material& material,
-                                        const SynthesisOptions& options,
-                                        Executor& executor) {
+    static Result<Torus> create(const Material& material,
+                                const SynthesisOptions& options) {
         SATEEN_TRY(Fft2d fft, Fft2d::create(options.rows, options.cols));
-        ToroidalNoise noise(std::move(fft));
-        Image white(1, options.rows, options.cols, uninitialised);
-        for (std::uint32_t plane = 0; plane < material.bands; ++plane) {
-            draw_noise(options.seed, noise_band(plane), white.plane(0), executor);
-            SplitComplexPlane& spectrum = noise.spectra_.emplace_back(
-                options.rows, noise.fft_.spectrum_cols(), uninitialised);
-            noise.fft_.forward(white.plane(0), spectrum.view(), executor);
-        }
-        return noise;
+        return Torus(std::move(fft), material, options.seed);
     }
 
-    /// All planes of one subspace, standard normal: the same as draw_torus().
-    [[nodiscard]] Image draw(const Material& material, const Subspace& subspace,
-                             Executor& executor) const {
-        const std::vector<PlaneField> fields = independent_fields(material, subspace);
-        std::vector<SplitComplexPlane> coloured = spectra_for(fields, fft_);
-        Image planes(spectra_.size(), fft_.rows(), fft_.cols(), uninitialised);
-        for (const PlaneField& field : fields)
-            draw_coloured(field, fft_,
-                          std::span(spectra_).subspan(field.plane, field.planes),
-                          coloured, planes.view(), executor);
-        return planes;
+    /// The Fourier transforms of white noise, a spectrum for each plane.
+    [[nodiscard]] std::vector<SplitComplexPlane> noise(Executor& executor) const {
+        std::vector<SplitComplexPlane> spectra = this->spectra();
+        for (std::uint32_t plane = 0; plane < spectra.size(); ++plane)
+            draw_noise_spectrum(seed_, noise_band(plane), fft_, spectra[plane].view(),
+                                executor);
+        return spectra;
+    }
+    [[nodiscard]] std::vector<SplitComplexPlane> spectra() const {
+        std::vector<SplitComplexPlane> spectra;
+        for (std::size_t plane = 0; plane < material_->bands; ++plane)
+            spectra.emplace_back(fft_.rows(), fft_.spectrum_cols(), uninitialised);
+        return spectra;
+    }
+
+    /// The texture of one subspace. Rows are transformed back and finished while they are
+    /// in the cache.
+    /// \param coloured  written, may be the noise
+    /// \param finish    finish(row, planes, out) of every block of rows
+    template <class FinishRows>
+    [[nodiscard]] Image draw(const Subspace& subspace,
+                             std::span<const SplitComplexPlane> noise,
+                             std::span<SplitComplexPlane> coloured,
+                             const FinishRows& finish, Executor& executor) const {
+        std::vector<float> gains;
+        for (const PlaneField& field : independent_fields(*material_, subspace)) {
+            const auto of_field =
+                colour_noise(field, fft_.cols(), noise.subspan(field.plane, field.planes),
+                             coloured.subspan(field.plane, field.planes), executor);
+            gains.insert(gains.end(), of_field.begin(), of_field.begin() + field.planes);
+        }
+        for (SplitComplexPlane& plane : coloured)
+            fft_.inverse_columns(plane.view(), executor);
+        Image texture(coloured.size(), fft_.rows(), fft_.cols(), uninitialised);
+        const auto invert = [&](std::size_t first, std::size_t count,
+                                Fft2d::Scratch& scratch) {
+            SerialExecutor serial;
+            const std::size_t floats = coloured.size() * count * fft_.cols();
+            const ImageView<float> rows(scratch.floats(floats), coloured.size(), count,
+                                        fft_.cols());
+            for (std::size_t plane = 0; plane < coloured.size(); ++plane) {
+                const SplitComplexPlane& spectrum = coloured[plane];
+                fft_.inverse_rows(spectrum.view(), first, gains[plane], rows.plane(plane),
+                                  scratch);
+            }
+            finish(static_cast<std::int32_t>(first), rows,
+                   windows_of(texture.view(), first, count), serial);
+        };
+        fft_.for_row_blocks(executor, invert);
+        return texture;
     }
 
   private:
-    explicit ToroidalNoise(Fft2d fft) : fft_(std::move(fft)) {}
+    Torus(Fft2d fft, const Material& material, std::uint64_t seed)
+        : fft_(std::move(fft)), material_(&material), seed_(seed) {}
     Fft2d fft_;
-    std::vector<SplitComplexPlane> spectra_;
+    const Material* material_;
+    std::uint64_t seed_;
 };
 
 /// Every plane of one subspace on the infinite lattice, by convolution.
@@ -254,21 +248,31 @@ class Finish {
                                                         options.seed, period, executor));
         return finish;
     }
+    /// \param planes  fields whose top left is (row, col), overwritten
+    /// \param out     a plane for each band, written; may be the fields
+    void operator()(const Subspace& subspace, std::int32_t row, std::int32_t col,
+                    ImageView<float> planes, std::span<const PlaneView<float>> out,
+                    Executor& executor) const {
+        Subspace coloured;
+        if (phase_) {
+            apply_periodic_layer(*structure_, subspace, *phase_, row, col, planes,
+                                 executor);
+            coloured.spectral = subspace.spectral;
+            coloured.marginals.assign(planes.bands, Marginal{1, {}});
+        }
+        if (!fields_only_) {
+            invert_spectral(phase_ ? coloured : subspace, planes, out, executor);
+            return;
+        }
+        if (phase_) divide(planes, plane_deviations(*structure_, subspace));
+        for (std::size_t band = 0; band < planes.bands; ++band)
+            if (out[band].data != planes.plane(band).data)
+                std::copy_n(planes.plane(band).data, planes.plane_size(), out[band].data);
+    }
+    /// In place.
     void operator()(const Subspace& subspace, std::int32_t row, std::int32_t col,
                     ImageView<float> planes, Executor& executor) const {
-        if (!phase_) {
-            if (!fields_only_) invert_spectral(subspace, planes, executor);
-            return;
-        }
-        apply_periodic_layer(*structure_, subspace, *phase_, row, col, planes, executor);
-        if (fields_only_) {
-            divide(planes, plane_deviations(*structure_, subspace));
-            return;
-        }
-        Subspace coloured;
-        coloured.spectral = subspace.spectral;
-        coloured.marginals.assign(planes.bands, Marginal{1, {}});
-        invert_spectral(coloured, planes, executor);
+        (*this)(subspace, row, col, planes, windows_of(planes, 0, planes.rows), executor);
     }
 
   private:
@@ -276,6 +280,13 @@ class Finish {
     const Structure* structure_ = nullptr;
     std::optional<PeriodicPhase> phase_;
 };
+
+/// The finish of one subspace, for blocks of whole rows.
+auto finish_rows(const Finish& finish, const Subspace& subspace) {
+    return [&](std::int32_t row, ImageView<float> planes,
+               std::span<const PlaneView<float>> out,
+               Executor& executor) { finish(subspace, row, 0, planes, out, executor); };
+}
 
 Period period_of(const SynthesisOptions& options) {
     return {static_cast<std::int32_t>(options.rows),
@@ -349,8 +360,10 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
             return draw_periodic(material, subspace, options, sink, executor, progress);
         SATEEN_TRY(const Finish finish,
                    Finish::create(material, options, period_of(options), executor));
-        SATEEN_TRY(Image texture, draw_torus(material, subspace, options, executor));
-        finish(subspace, 0, 0, texture.view(), executor);
+        SATEEN_TRY(const Torus torus, Torus::create(material, options));
+        std::vector<SplitComplexPlane> spectra = torus.noise(executor);
+        const Image texture = torus.draw(subspace, spectra, spectra,
+                                         finish_rows(finish, subspace), executor);
         progress.report(1, 1);
         return sink(0, texture.view());
     }
@@ -395,10 +408,12 @@ Result<void> synthesise_tiles(
     Executor& executor, Progress& progress) {
     SATEEN_CHECK(check_window(options));
     for (const std::size_t k : subspaces) SATEEN_CHECK(check_subspace(material, k));
-    std::optional<ToroidalNoise> noise;
+    std::optional<Torus> torus;
+    std::vector<SplitComplexPlane> noise;
     std::optional<Finish> finish;
     if (fits_one_transform(options)) {
-        SATEEN_TRY(noise, ToroidalNoise::create(material, options, executor));
+        SATEEN_TRY(torus, Torus::create(material, options));
+        noise = torus->noise(executor);
         SATEEN_TRY(finish,
                    Finish::create(material, options, period_of(options), executor));
     }
@@ -406,10 +421,10 @@ Result<void> synthesise_tiles(
     tileable.tileable = true;
     PartProgress part(progress);
     const auto draw = [&](std::size_t subspace, Executor& threads) -> Result<Image> {
-        if (!noise) return synthesise(material, subspace, tileable, threads, part);
-        Image texture = noise->draw(material, material.subspaces[subspace], threads);
-        (*finish)(material.subspaces[subspace], 0, 0, texture.view(), threads);
-        return texture;
+        if (!torus) return synthesise(material, subspace, tileable, threads, part);
+        std::vector<SplitComplexPlane> spectra = torus->spectra();
+        const Subspace& drawn = material.subspaces[subspace];
+        return torus->draw(drawn, noise, spectra, finish_rows(*finish, drawn), threads);
     };
     // A subspace a thread, as many at a time as there are threads; what is left over
     // shares them.

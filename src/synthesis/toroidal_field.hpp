@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zero-phase drawing of a plane on a torus.  Theory: docs/theory/spectral_synthesis.md.
+// Zero-phase drawing of planes on a torus.
+// Theory: docs/theory/spectral_synthesis.md, docs/theory/car3d.md.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "sateen/core/fft.hpp"
 #include "sateen/core/image.hpp"
@@ -16,12 +19,20 @@ namespace sateen {
 void draw_noise(std::uint64_t seed, std::uint32_t band, PlaneView<float> out,
                 Executor& executor);
 
-/// ŷ_t = √(E_t) ŵ_t with ŷ_0 = 0, scaled so that the drawn plane has mean 0 and variance
-/// 1: realised, not only expected, so that textures of any seed have the measured
-/// colours. \param noise     ŵ, the half spectrum of white noise of a (rows, cols) torus
-/// \param spectrum  written, may be the noise; a plane without any power becomes zero
-void colour_noise(const PlaneField& field, std::size_t cols,
-                  SplitComplexView<const float> noise, SplitComplexView<float> spectrum,
-                  Executor& executor);
+/// ŵ, the transform of draw_noise() on the torus of `fft`.
+void draw_noise_spectrum(std::uint64_t seed, std::uint32_t band, const Fft2d& fft,
+                         SplitComplexView<float> spectrum, Executor& executor);
+
+/// ŷ_t = E_t^{1/2} ŵ_t with ŷ_0 = 0, the positive root: √E_t for one plane, the Hermitian
+/// root for planes that are drawn together.
+/// \param noise    ŵ, the half spectra of white noise of a (rows, cols) torus, one for each
+///                 plane of the field
+/// \param spectra  as many, written, may be the noise
+/// \returns  for each plane of the field the factor that makes its variance 1: realised, not
+///           only expected, so that textures of any seed have the measured colours. 0 for a
+///           plane without any power
+[[nodiscard]] std::array<float, kMaxBands> colour_noise(
+    const PlaneField& field, std::size_t cols, std::span<const SplitComplexPlane> noise,
+    std::span<SplitComplexPlane> spectra, Executor& executor);
 
 }  // namespace sateen

@@ -13,23 +13,29 @@
 
 namespace sateen {
 
-/// Operator * of std::complex looks for infinities, which takes longer.
-[[nodiscard]] constexpr std::complex<double> product(std::complex<double> a,
-                                                     std::complex<double> b) {
-    return {a.real() * b.real() - a.imag() * b.imag(),
-            a.real() * b.imag() + a.imag() * b.real()};
-}
+/// e^{jω}, ω = 2πk/n, for k = 0 … n - 1.
+class Frequencies {
+  public:
+    explicit Frequencies(std::size_t n);
+    [[nodiscard]] std::size_t size() const { return values_.size(); }
+    [[nodiscard]] const std::complex<double>& operator[](std::size_t k) const {
+        return values_[k];
+    }
 
-/// e^{-jω1 r} for r = -kMaxReach … kMaxReach.
+  private:
+    std::vector<std::complex<double>> values_;
+};
+
+/// e^{-jω1 r} for r = -kMaxReach … kMaxReach, ω1 = 2πm/M.
 class RowPhases {
   public:
-    explicit RowPhases(double omega_1) {
-        const std::complex<double> step = std::polar(1.0, -omega_1);
-        std::complex<double> phase = 1;
+    RowPhases(const Frequencies& frequencies, std::size_t m) {
+        std::size_t k = 0;  // r m, modulo M
         for (std::size_t row = 0; row <= kMaxReach; ++row) {
-            phases_[kMaxReach + row] = phase;
-            phases_[kMaxReach - row] = std::conj(phase);
-            phase = product(phase, step);
+            phases_[kMaxReach - row] = frequencies[k];
+            phases_[kMaxReach + row] = std::conj(frequencies[k]);
+            k += m;
+            if (k >= frequencies.size()) k -= frequencies.size();
         }
     }
     [[nodiscard]] std::complex<double> operator()(int row) const {
@@ -40,37 +46,48 @@ class RowPhases {
     std::array<std::complex<double>, 2 * kMaxReach + 1> phases_;
 };
 
-/// P(ω) = Σ_s c_s e^{-jω·s} along one row of frequencies, a polynomial in ω2:
+/// P_k(ω) = Σ_s c_{k,s} e^{-jω·s}, k < K, along one row of frequencies, polynomials in ω2:
 ///
 ///     Re P = even_re_0 + Σ_q (even_re_q cos qω2 + odd_im_q sin qω2)
 ///     Im P = even_im_0 + Σ_q (even_im_q cos qω2 - odd_re_q sin qω2)
-struct RowPolynomial {
-    static constexpr std::size_t kTerms = kMaxReach + 1;
-    std::array<float, kTerms> even_re{};
-    std::array<float, kTerms> even_im{};
-    std::array<float, kTerms> odd_re{};
-    std::array<float, kTerms> odd_im{};
-    std::size_t terms = 1;
+template <std::size_t K>
+struct RowPolynomials {
+    struct Term {
+        std::array<float, K> even_re, even_im, odd_re, odd_im;
+    };
+    std::array<Term, kMaxReach + 1> term;
+    std::size_t terms = 0;  ///< of them are there
 };
 
-/// A polynomial of the whole lattice: its coefficients c_s, real.
-class TrigonometricPolynomial {
+/// Polynomials of the whole lattice: their coefficients c_{k,s}, real.
+template <std::size_t K>
+class TrigonometricPolynomials {
   public:
-    explicit TrigonometricPolynomial(double constant) { add({0, 0}, constant); }
-    void add(Offset s, double coefficient) { terms_.push_back({s, coefficient}); }
-    [[nodiscard]] RowPolynomial row(const RowPhases& phases) const;
+    void add(Offset s, const std::array<double, K>& coefficients);
+    [[nodiscard]] RowPolynomials<K> row(const RowPhases& phases) const;
 
   private:
     struct Term {
-        Offset s;
-        double coefficient;
+        int row;
+        std::array<double, K> coefficients;
     };
-    std::vector<Term> terms_;
+    /// Offsets of column q, and of column -q.
+    struct Columns {
+        std::vector<Term> right;
+        std::vector<Term> left;
+    };
+    std::vector<Columns> columns_;
 };
+
+/// Columns of whole vectors on every target.
+[[nodiscard]] constexpr std::size_t padded_columns(std::size_t count) {
+    constexpr std::size_t kWidest = 16;
+    return (count + kWidest - 1) / kWidest * kWidest;
+}
 
 /// cos qω2 and sin qω2 for n = 0 … ⌊N/2⌋, a row for each q, padded to whole vectors.
 struct ColumnTables {
-    explicit ColumnTables(std::size_t cols);
+    explicit ColumnTables(const Frequencies& frequencies);
     Image cosines;
     Image sines;
 };

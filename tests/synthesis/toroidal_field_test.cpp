@@ -22,13 +22,15 @@ Image draw(const std::vector<Level>& levels, std::size_t rows, std::size_t cols,
     EXPECT_TRUE(fft);
     Image plane(1, rows, cols);
     draw_noise(seed, 0, plane.plane(0), executor);
-    SplitComplexPlane noise(rows, fft->spectrum_cols());
-    fft->forward(plane.plane(0), noise.view(), executor);
-    SplitComplexPlane spectrum(rows, fft->spectrum_cols());
-    const SplitComplexPlane& white = noise;
-    colour_noise({levels, 0, sample, sample}, cols, white.view(), spectrum.view(),
-                 executor);
-    fft->inverse(spectrum.view(), plane.plane(0), executor);
+    std::vector<SplitComplexPlane> noise;
+    noise.emplace_back(rows, fft->spectrum_cols());
+    fft->forward(plane.plane(0), noise[0].view(), executor);
+    std::vector<SplitComplexPlane> spectra;
+    spectra.emplace_back(rows, fft->spectrum_cols());
+    const auto gains =
+        colour_noise({levels, 0, sample, sample}, cols, noise, spectra, executor);
+    fft->inverse(spectra[0].view(), plane.plane(0), executor);
+    for (float& value : plane.values()) value *= gains[0];
     return plane;
 }
 
