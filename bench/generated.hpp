@@ -48,10 +48,9 @@ class GeneratedPhotograph final : public Measurement {
 };
 
 /// The material of such a photograph, its one subspace repeated.
-inline Material generated_material(std::size_t subspaces, bool paper = false) {
+inline Material generated_material(std::size_t subspaces,
+                                   const AnalysisOptions& options = {}) {
     const GeneratedPhotograph photograph(512, 512);
-    AnalysisOptions options;
-    options.paper = paper;
     SerialExecutor executor;
     Progress progress;
     Material material =
