@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the benchmarks of a build, keeps bench/results.json, writes docs/results.md.
 
-    tools/make_results.py [--build build/dev] [--measurement ZIP] [--side 32768]
-                          [--pictures IMAGE...]
+    tools/make_results.py [--build build/dev] [--measurement ZIP...] [--side 32768]
+                          [--pictures IMAGE...] [--angular MEANS.csv ANGLES.csv]
     tools/make_results.py --only-write      docs/results.md from bench/results.json
 """
 
@@ -18,6 +18,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import direction_results as directions
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results.json"
@@ -158,7 +160,7 @@ def run_all(build, measurement, side):
     add("Kernels: noise", ["noise_bench"], noise_figures)
     add("Kernels: recursion", ["causal_recursion_bench"], recursion_figures)
     add("Drawing", ["synthesis_bench", side], own_figures)
-    add("Modelling", ["analysis_bench", *([measurement] if measurement else [])], own_figures)
+    add("Modelling", ["analysis_bench", *measurement], own_figures)
     say("sateen")
     program = list(program_figures(build / "bin" / "sateen", side))
     figures.append({"title": "The program", "figures": program})
@@ -346,12 +348,13 @@ def page(results):
         "",
         "Made by one command, after `./test` has built the preset `dev`:",
         "",
-        "    tools/make_results.py --measurement MEASUREMENT.zip --pictures PICTURE...",
+        "    tools/make_results.py --measurement MEASUREMENT.zip... --pictures PICTURE... "
+        "--angular MEANS.csv ANGLES.csv",
         "",
         "It runs the programs of `bench/`, keeps what they print in `bench/results.json`, and "
         "writes this page from it.",
         "Without `--measurement` the figures of a whole measurement are left out, without "
-        "`--pictures` the scores.",
+        "`--pictures` the scores, without `--angular` real mean colours.",
         "",
         "Figures marked x are ratios of two times measured in one run, each the shortest of "
         "several, in processor time of one thread unless said. What must be reached is beside "
@@ -368,28 +371,42 @@ def page(results):
         lines += rival_lines(pictures["rivals"])
         lines += model_lines(pictures["models"], pictures["swept"])
         lines += validity_lines(pictures["validity"], pictures["swept"])
+    if found := results.get("directions"):
+        lines += directions.elevation_lines(found) + directions.restoration_lines(found)
+        lines += directions.pca_lines(found)
+    if angular := results.get("angular"):
+        lines += directions.angular_lines(angular["name"], angular["figures"])
     return "\n".join(lines) + "\n"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "dev")
-    parser.add_argument("--measurement", type=pathlib.Path)
+    parser.add_argument("--measurement", type=pathlib.Path, nargs="+", default=[])
+    parser.add_argument("--angular", type=pathlib.Path, nargs=2, default=[])
+    parser.add_argument("--only-directions", action="store_true", help="keep all other results")
     parser.add_argument("--pictures", type=pathlib.Path, nargs="+", default=[])
     parser.add_argument("--side", type=int, default=32768)
     parser.add_argument("--only-write", action="store_true")
     arguments = parser.parse_args()
     if not arguments.only_write:
         build = arguments.build.resolve()
-        measurement = arguments.measurement and arguments.measurement.resolve()
-        results = {
-            "machine": machine(),
-            "build": build_facts(build),
-            "sections": run_all(build, measurement, arguments.side),
-        }
-        if arguments.pictures:
+        measurements = [m.resolve() for m in arguments.measurement]
+        if arguments.only_directions:
+            results = json.loads(RESULTS.read_text())
+        else:
+            results = {
+                "machine": machine(),
+                "build": build_facts(build),
+                "sections": run_all(build, measurements[:1], arguments.side),
+            }
+        if arguments.pictures and not arguments.only_directions:
             pictures = [p.resolve() for p in arguments.pictures]
             results["pictures"] = picture_results(build, pictures)
+        results["directions"] = directions.direction_results(build, measurements, say)
+        if arguments.angular:
+            files = [p.resolve() for p in arguments.angular]
+            results["angular"] = directions.angular_results(build, *files)
         RESULTS.write_text(json.dumps(results, indent=1) + "\n")
     PAGE.write_text(page(json.loads(RESULTS.read_text())))
     say(f"wrote {PAGE.relative_to(ROOT)}")

@@ -26,7 +26,7 @@ struct SegmentationOptions {
     std::uint32_t restarts = 10;
     /// Weight of the anisotropy of contrast beside the colour histograms, ≥ 0. Without it,
     /// images lit from φ and φ + 90° fall into one subspace; [CAR2] and [SAR] have 0.
-    double orientation_weight = 2;
+    double orientation_weight = 6;
     /// How much a grazing view counts against an image as representative, ≥ 0; 0 in
     /// [CAR2].
     double grazing_penalty = 1;
