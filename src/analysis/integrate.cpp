@@ -38,39 +38,6 @@ Complex symbol(Difference difference, std::size_t k, std::size_t n) {
     return symbol(difference, frequency(k, n));
 }
 
-/// Makes a function of the lattice (rows, shear), (0, cols), transformed along its rows,
-/// periodic down its columns, or takes that back: f(r + rows, c + shear) = f(r, c) means
-/// F(r + rows, n) exp(2πi n shear / cols) = F(r, n).
-void straighten(Spectrum& F, std::size_t shear, double sign) {
-    if (shear == 0) return;
-    for (std::size_t r = 0; r < F.rows; ++r)
-        for (std::size_t n = 0; n < F.cols; ++n)
-            F(r, n) *= std::polar(1.0, sign * frequency(n, F.cols) *
-                                           static_cast<double>(shear * r) /
-                                           static_cast<double>(F.rows));
-}
-
-Spectrum lattice_spectrum(PlaneView<const double> plane, std::size_t shear) {
-    Spectrum out(plane.rows, plane.cols);
-    for (std::size_t r = 0; r < plane.rows; ++r)
-        for (std::size_t c = 0; c < plane.cols; ++c) out(r, c) = plane(r, c);
-    transform_rows(out, Transform::forward);
-    straighten(out, shear, 1);
-    transform_columns(out, Transform::forward);
-    return out;
-}
-
-/// The spectrum is destroyed.
-BasicImage<double> lattice_plane(Spectrum& spectrum, std::size_t shear) {
-    transform_columns(spectrum, Transform::inverse);
-    straighten(spectrum, shear, -1);
-    transform_rows(spectrum, Transform::inverse);
-    BasicImage<double> out(1, spectrum.rows, spectrum.cols);
-    for (std::size_t i = 0; i < spectrum.values.size(); ++i)
-        out.values()[i] = spectrum.values[i].real();
-    return out;
-}
-
 BasicImage<double> integrate_torus(const SlopeField& slopes, Difference difference,
                                    std::size_t shear) {
     const std::size_t rows = slopes.rows();

@@ -53,12 +53,6 @@ Image normals_of_slopes(const SlopeField& slopes) {
     return out;
 }
 
-BasicImage<double> plane_of(const SlopeField& slopes, std::size_t band) {
-    BasicImage<double> out(1, slopes.rows(), slopes.cols());
-    std::copy_n(slopes.plane(band).data, out.plane_size(), out.values().begin());
-    return out;
-}
-
 Result<BasicImage<double>> height_by_stereo(const Measurement& measurement,
                                             const RangeMapOptions& options, RangeMap& out,
                                             Executor& executor, Progress& progress) {
@@ -72,8 +66,7 @@ Result<BasicImage<double>> height_by_stereo(const Measurement& measurement,
     out.albedo = std::move(found.albedo);
     out.notes = std::move(found.notes);
     // Central differences, as normals are derived from the tiles.
-    const bool torus =
-        is_toroidal(plane_of(slopes, 0)) && is_toroidal(plane_of(slopes, 1));
+    const bool torus = is_toroidal(slopes);
     auto height = integrate(slopes, Difference::central,
                             torus ? Periodicity::torus : Periodicity::mirror);
     if (torus) return height;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -96,6 +97,7 @@ TEST(Roll, SeamsOfRandomReliefAreNoLargerThanItsOwnSteps) {
         EXPECT_FALSE(out.was_toroidal);
         ASSERT_EQ(out.tiles.size(), 4U);
         EXPECT_LE(out.seam_ratio, 1.05);
+        EXPECT_LE(out.normal_seam_ratio, 1.05);
     }
 }
 
@@ -143,6 +145,58 @@ TEST(Roll, TheLatticeOfARegularMaterialIsKept) {
         for (std::size_t c = 0; c < exact.cols(); ++c)
             exact(0, r, c) = weave(0, r + 1, c);
     EXPECT_GT(test::correlation(out.tiles[0], exact), 0.9999);
+}
+
+/// A weave of threads with any two periods, (row, column) each.
+Plane weave_of(std::size_t rows, std::size_t cols, std::array<double, 2> a,
+               std::array<double, 2> b) {
+    Plane out(1, rows, cols);
+    const double area = a[0] * b[1] - a[1] * b[0];
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t c = 0; c < cols; ++c) {
+            const auto y = static_cast<double>(r);
+            const auto x = static_cast<double>(c);
+            const double v = 2 * std::numbers::pi * (y * b[1] - x * b[0]) / area;
+            const double u = 2 * std::numbers::pi * (x * a[0] - y * a[1]) / area;
+            out(0, r, c) = std::cos(u) + 0.7 * std::cos(u + v) + 0.4 * std::sin(v);
+        }
+    return out;
+}
+
+// Turned by 3 degrees, and no period is whole.
+TEST(Roll, PeriodsNeedNeitherBeWholeNorAlongTheRows) {
+    const Plane weave = weave_of(120, 130, {12.3, -0.65}, {0.65, 12.3});
+    const RolledSurface out = rolled(weave);
+    EXPECT_FALSE(out.was_toroidal);
+    // Both sides of a cut agree everywhere, so it may run where the weave itself is steep.
+    EXPECT_LE(out.seam_ratio, 1.1);
+    EXPECT_LE(out.normal_seam_ratio, 1.05);
+    // As much of every height as in the weave: nothing was blended or bent.
+    double square = 0;
+    for (const float z : out.tiles[0].values())
+        square += static_cast<double>(z) * static_cast<double>(z);
+    EXPECT_NEAR(square / static_cast<double>(out.tiles[0].plane_size()),
+                (1 + 0.49 + 0.16) / 2, 0.03);
+}
+
+bool continues(const Plane& height) {
+    return is_toroidal(slopes_of(height, Difference::central));
+}
+
+TEST(IsToroidal, TellsAWholeNumberOfThreadsFromABrokenOne) {
+    EXPECT_TRUE(continues(weave_of(96, 96, {12, 0}, {0, 16})));
+    EXPECT_TRUE(continues(weave_of(96, 96, {12, 4}, {0, 16})));
+    EXPECT_FALSE(continues(weave_of(96, 90, {12, 0}, {0, 16})));
+    EXPECT_FALSE(continues(weave_of(91, 96, {12, 0}, {0, 16})));
+    // Waves of 3 pixels hide a border: not every piece of a random relief is told.
+    int told = 0;
+    for (unsigned seed = 1; seed <= 8; ++seed) {
+        const Plane torus = cosine_relief(90, 96, 30, 4, seed, 60).height;
+        EXPECT_TRUE(continues(torus)) << seed;
+        told += continues(window(torus, 80, 96)) ? 0 : 1;
+        told += continues(window(torus, 90, 84)) ? 0 : 1;
+    }
+    EXPECT_GE(told, 10);
 }
 
 TEST(Roll, ATiltIsNotRolledUp) {

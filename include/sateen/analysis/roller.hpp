@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sateen/analysis/integrate.hpp"
 #include "sateen/core/image.hpp"
 #include "sateen/core/result.hpp"
 
@@ -25,13 +26,18 @@ struct RolledSurface {
     bool was_toroidal = false;
     std::size_t overlap_rows = 0;
     std::size_t overlap_cols = 0;
-    /// Root mean square step of height across seams against the steps that the pieces on
-    /// both sides have there by themselves, over all seams of all tiles.
+    /// Root mean square step across all seams of all tiles over that of all other neighbours
+    /// in the same direction: of height, and of the normals derived from it.
     double seam_ratio = 1;
+    double normal_seam_ratio = 1;
 };
 
-/// Are the steps and bends of height across the borders those of the inside? \cost one pass
-[[nodiscard]] bool is_toroidal(const BasicImage<double>& height);
+/// Do slopes continue across the borders of the sample? At every lag up to a quarter of the
+/// side (64), the mean squared difference of the pairs that straddle a border is compared
+/// with the largest of as many pairs beside each other inside: so a weave cut at the wrong
+/// thread is told.
+/// \cost a quarter of the side passes over every plane
+[[nodiscard]] bool is_toroidal(const SlopeField& slopes);
 
 /// Cuts tiles out of a range map [Haindl and Hatka 2005: the Roller]: the lattice is the
 /// pair of shifts (rows, shear), (0, cols) under which the sample agrees best with itself,
