@@ -11,6 +11,7 @@
 #include "analysis/fit_subspace.hpp"
 #include "analysis/periodic_layer.hpp"
 #include "analysis/window.hpp"
+#include "sateen/analysis/delight.hpp"
 #include "sateen/analysis/segment.hpp"
 #include "sateen/analysis/spectral.hpp"
 
@@ -129,27 +130,86 @@ Result<Reflectance> fit_reflectance(const MeasurementInfo& info,
     return factorise_appearance(grid, table);
 }
 
-Result<std::vector<Image>> read_all(const Measurement& measurement,
-                                    const std::vector<std::size_t>& observations,
-                                    bool skip_bad, std::vector<std::string>& notes,
-                                    Executor& executor) {
-    std::vector<Result<Image>> read(observations.size(), Result<Image>(Image()));
-    parallel_for(executor, observations.size(), [&](std::size_t i) {
-        read[i] = measurement.read(observations[i]);
-        if (read[i])
-            read[i] = at_most(kPooledPixels / observations.size(), std::move(*read[i]));
-    });
-    std::vector<Image> images;
-    for (Result<Image>& image : read) {
-        if (!image && !skip_bad) return std::move(image).error();
-        if (image)
-            images.push_back(std::move(*image));
-        else
-            notes.push_back("skipped " + image.error().message);
+/// The shading of a surface as one observation shows it, of the surface's own size.
+Image shading_of(const MeasurementInfo& info, std::size_t observation,
+                 const RangeMap& surface) {
+    if (!info.has_directions()) return shading_seen(surface, {}, surface.light);
+    const Observation& at = info.observations[observation];
+    return shading_seen(surface, info.views[at.view], info.lights[at.light]);
+}
+
+Image window_on(const RangeMap& surface, Image image) {
+    return middle_window(std::move(image), surface.height_px.rows(),
+                         surface.height_px.cols());
+}
+
+/// Images as they are modelled.
+class Reader {
+  public:
+    Reader(const Measurement& measurement, bool skip_bad, Executor& executor)
+        : measurement_(measurement), skip_bad_(skip_bad), executor_(executor) {}
+
+    /// From now on images are divided by the shading of this surface, which outlives them.
+    void divide_by_shading_of(const RangeMap& surface) { surface_ = &surface; }
+
+    Result<std::vector<Image>> read(const std::vector<std::size_t>& observations,
+                                    std::vector<std::string>& notes) const {
+        std::vector<Result<Image>> read(observations.size(), Result<Image>(Image()));
+        parallel_for(executor_, observations.size(), [&](std::size_t i) {
+            read[i] = measurement_.read(observations[i]);
+            if (read[i])
+                read[i] = at_most(kPooledPixels / observations.size(),
+                                  delit(std::move(*read[i]), observations[i]));
+        });
+        std::vector<Image> images;
+        for (Result<Image>& image : read) {
+            if (!image && !skip_bad_) return std::move(image).error();
+            if (image)
+                images.push_back(std::move(*image));
+            else
+                notes.push_back("skipped " + image.error().message);
+        }
+        if (images.empty())
+            return Error{Errc::bad_format,
+                         "no readable image in " + measurement_.info().name};
+        return images;
     }
-    if (images.empty())
-        return Error{Errc::bad_format, "no readable image in " + measurement.info().name};
-    return images;
+
+  private:
+    Image delit(Image image, std::size_t observation) const {
+        if (surface_ == nullptr) return image;
+        return divide_by_shading(window_on(*surface_, std::move(image)),
+                                 shading_of(measurement_.info(), observation, *surface_));
+    }
+
+    const Measurement& measurement_;
+    bool skip_bad_;
+    Executor& executor_;
+    const RangeMap* surface_ = nullptr;
+};
+
+/// How much of the representatives the shading of the surface explains. Photographs that
+/// are pooled show other places than the one that the surface was found in: nothing.
+double shading_share(const Measurement& measurement,
+                     const Representatives& representatives, const RangeMap& surface,
+                     Executor& executor) {
+    if (representatives.observations.front().size() > 1) return 0;
+    const std::size_t count = representatives.observations.size();
+    std::vector<ExplainedContrast> parts(count);
+    parallel_for(executor, count, [&](std::size_t k) {
+        const std::size_t observation = representatives.observations[k].front();
+        Result<Image> image = measurement.read(observation);
+        if (!image) return;  // reported, or skipped, where it is modelled
+        parts[k].add(window_on(surface, std::move(*image)),
+                     shading_of(measurement.info(), observation, surface),
+                     static_cast<double>(representatives.members[k]));
+    });
+    ExplainedContrast all;
+    for (const ExplainedContrast& part : parts) {
+        all.explained += part.explained;
+        all.total += part.total;
+    }
+    return all.share();
 }
 
 /// The representatives that see the material best, from above and lit from above.
@@ -169,15 +229,15 @@ std::vector<std::size_t> best_seen(const MeasurementInfo& info,
 
 /// The periodic layer of a material: of the representative whose pattern is plainest.
 /// Several photographs of a material have no pixels in common: they are modelled without.
-Result<std::optional<AlignedLayer>> find_layer(const Measurement& measurement,
+Result<std::optional<AlignedLayer>> find_layer(const MeasurementInfo& info,
+                                               const Reader& reader,
                                                const Representatives& representatives,
                                                Tone tone, Executor& executor) {
     std::optional<AlignedLayer> best;
     if (representatives.observations.front().size() > 1) return best;
-    for (const std::size_t i : best_seen(measurement.info(), representatives)) {
+    for (const std::size_t i : best_seen(info, representatives)) {
         std::vector<std::string> notes;
-        Result<std::vector<Image>> images =
-            read_all(measurement, {i}, false, notes, executor);
+        Result<std::vector<Image>> images = reader.read({i}, notes);
         if (!images) continue;  // reported, or skipped, where it is modelled
         std::vector<Image> toned;
         toned.push_back(apply_tone(images->front(), tone));
@@ -193,10 +253,11 @@ Result<std::optional<AlignedLayer>> find_layer(const Measurement& measurement,
 }  // namespace
 
 Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& options,
-                         Executor& executor, Progress& progress) {
+                         Executor& executor, Progress& progress,
+                         const RangeMap* surface) {
     SATEEN_CHECK(check(options));
     const MeasurementInfo& info = measurement.info();
-    Analysis result{describe(info, options), info.skipped, {}, {}, {}};
+    Analysis result{describe(info, options), info.skipped, {}, {}, {}, 0};
     Material& material = result.material;
 
     // 1. Segment the BTF space into subspaces, each with its representative image.
@@ -213,16 +274,29 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
             result.notes.push_back("no reflectance: " + reflectance.error().message);
     }
 
-    // 2. Find the pattern of the material, if it has one: the same for all subspaces.
+    // 2. Divide the shading of the surface out of the images, if it explains them. [CAR2]
+    //    multiplies by it without.
+    Reader reader(measurement, options.skip_bad, executor);
+    if (surface != nullptr) {
+        material.surface = surface->surface;
+        result.shading_share =
+            shading_share(measurement, representatives, *surface, executor);
+        material.surface->delit =
+            options.paper || result.shading_share >= kLeastShadingShare;
+        if (material.surface->delit && !options.paper)
+            reader.divide_by_shading_of(*surface);
+    }
+
+    // 3. Find the pattern of the material, if it has one: the same for all subspaces.
     std::optional<AlignedLayer> layer;
     if (options.structure && !options.paper) {
         progress.stage("looking for a pattern");
         SATEEN_TRY(layer,
-                   find_layer(measurement, representatives, options.tone, executor));
+                   find_layer(info, reader, representatives, options.tone, executor));
     }
     if (layer) material.structure = Structure{layer->layer};
 
-    // 3. Factorise each representative and estimate its fields. The first subspace comes
+    // 4. Factorise each representative and estimate its fields. The first subspace comes
     // first:
     //    the others align their spectral transforms with it.
     progress.stage("modelling");
@@ -236,8 +310,7 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
     const auto fit = [&](std::size_t k) {
         std::vector<std::string> notes;
         Result<std::vector<Image>> images =
-            read_all(measurement, representatives.observations[k], options.skip_bad,
-                     notes, executor);
+            reader.read(representatives.observations[k], notes);
         fits[k] = images ? fit_subspace(std::move(*images), fields, reference,
                                         layer ? &*layer : nullptr, executor)
                          : Result<SubspaceFit>(std::move(images).error());

@@ -22,6 +22,10 @@ constexpr float kFinestStep = 0.05F;
 /// Of the range: an error of at most half of it.
 constexpr float kCoarsestStep = 0.01F;
 
+/// Rows and columns of the sample that tiles are cut from. Four tiles of larger ones fit the
+/// budget only at steps that show, and take the Roller many seconds.
+constexpr std::size_t kLargestSample = 384;
+
 std::size_t lights_from_above(const MeasurementInfo& info) {
     if (!info.has_directions()) return 0;
     const auto view =
@@ -37,6 +41,20 @@ Image to_float(const BasicImage<double>& image) {
     Image out(image.bands(), image.rows(), image.cols());
     for (std::size_t i = 0; i < image.values().size(); ++i)
         out.values()[i] = static_cast<float>(image.values()[i]);
+    return out;
+}
+
+/// The middle of a large range map, upright.
+BasicImage<double> sample_of(const BasicImage<double>& height) {
+    const std::size_t rows = std::min(height.rows(), kLargestSample);
+    const std::size_t cols = std::min(height.cols(), kLargestSample);
+    if (rows == height.rows() && cols == height.cols()) return height;
+    BasicImage<double> out(1, rows, cols);
+    const auto part = height.plane(0).window((height.rows() - rows) / 2,
+                                             (height.cols() - cols) / 2, rows, cols);
+    for (std::size_t r = 0; r < rows; ++r)
+        std::copy_n(part.row(r), cols, out.plane(0).row(r));
+    remove_tilt(out);
     return out;
 }
 
@@ -89,6 +107,8 @@ Result<BasicImage<double>> height_by_shading(const Measurement& measurement,
     out.normals = normals_of_slopes(slopes_of(found.height_px, Difference::central));
     out.albedo = Image(1, found.height_px.rows(), found.height_px.cols());
     for (float& v : out.albedo.values()) v = static_cast<float>(found.albedo);
+    out.light = found.light;
+    out.light_estimated = found.light_estimated;
     const auto degrees = [](float radians) {
         return std::to_string(std::lround(radians / kRadiansPerDegree));
     };
@@ -159,7 +179,7 @@ Result<RangeMap> estimate_by(SurfaceMethod method, const Measurement& measuremen
     out.height_px = to_float(height);
     RollerOptions roller;
     roller.tiles = options.tiles;
-    SATEEN_TRY(RolledSurface rolled, roll(height, roller));
+    SATEEN_TRY(RolledSurface rolled, roll(sample_of(height), roller));
     out.seam_ratio = rolled.seam_ratio;
     SATEEN_CHECK(quantise_within(std::move(rolled.tiles), rolled.shear_px,
                                  options.budget_bytes, out));

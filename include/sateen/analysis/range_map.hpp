@@ -44,6 +44,8 @@ struct RangeMap {
     Image height_px;  ///< (1, rows, cols)
     Image normals;    ///< (3, rows, cols)
     Image albedo;     ///< (bands, rows, cols), or one value for shading
+    Direction light;  ///< of the photograph, for shading
+    bool light_estimated = false;
     Surface surface;
     double seam_ratio = 1;
     std::size_t estimated_bytes = 0;
