@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base_colour.hpp"
 #include "sateen/core/colour.hpp"
 #include "sateen/synthesis/surface.hpp"
 #include "sateen/synthesis/synthesise.hpp"
@@ -132,8 +133,7 @@ Result<BakedMaps> bake_maps(const Material& material, const BakeOptions& options
     synthesis.cols = options.cols;
     synthesis.seed = options.seed;
     synthesis.tileable = true;
-    SATEEN_TRY(Image colour, synthesise(material, nearest_subspace(material, {}, {}),
-                                        synthesis, executor, progress));
+    SATEEN_TRY(Image colour, draw_base_colour(material, synthesis, executor, progress));
     maps.base_colour = in_three_bands(std::move(colour));
     SATEEN_CHECK(bake_surface(material, options, maps));
     maps.roughness = fitted_roughness(material);

@@ -90,10 +90,12 @@ Result<double> least_bytes(const Material& material, std::size_t bytes,
 
 Result<BudgetedAnalysis> analyse_within(const Measurement& measurement,
                                         AnalysisOptions options, std::size_t budget,
-                                        const Provenance& provenance, Executor& executor,
+                                        const Provenance& provenance,
+                                        const RangeMap* surface, Executor& executor,
                                         Progress& progress) {
     BudgetedAnalysis result;
-    SATEEN_TRY(result.analysis, analyse(measurement, options, executor, progress));
+    SATEEN_TRY(result.analysis,
+               analyse(measurement, options, executor, progress, surface));
     SATEEN_TRY(result.bytes, stored_bytes(result.analysis, provenance));
     if (budget == 0 || result.bytes <= budget) return result;
 
@@ -106,7 +108,8 @@ Result<BudgetedAnalysis> analyse_within(const Measurement& measurement,
         SATEEN_TRY(const double least,
                    least_bytes(first, first_bytes, saving.fields_left));
         if (saving.fields_left > 0 && 0.9 * least > static_cast<double>(budget)) continue;
-        SATEEN_TRY(result.analysis, analyse(measurement, options, executor, progress));
+        SATEEN_TRY(result.analysis,
+                   analyse(measurement, options, executor, progress, surface));
         SATEEN_TRY(result.bytes, stored_bytes(result.analysis, provenance));
         if (result.bytes <= budget) return result;
     }

@@ -24,10 +24,12 @@ struct BudgetedAnalysis {
 /// what they cost in looks for the bytes that they save. What the options fix stays.
 /// \param budget  0: any size
 /// \param provenance  options and writer, which the file holds as well
+/// \param surface     as for analyse()
 /// \error as analyse(); invalid_argument where even the smallest is larger, with its size
 /// \cost one analysis a saving that is tried; those that cannot suffice are passed over
 [[nodiscard]] Result<BudgetedAnalysis> analyse_within(
     const Measurement& measurement, AnalysisOptions options, std::size_t budget,
-    const Provenance& provenance, Executor& executor, Progress& progress);
+    const Provenance& provenance, const RangeMap* surface, Executor& executor,
+    Progress& progress);
 
 }  // namespace sateen::cli

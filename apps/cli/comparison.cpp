@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sateen/synthesis/synthesise.hpp"
+#include "sateen/synthesis/synthesise_direction.hpp"
 
 namespace sateen::cli {
 namespace {
@@ -79,7 +80,8 @@ Result<std::vector<Comparison>> compare_subspaces(const Material& material,
         options.rows = reference.rows();
         options.cols = reference.cols();
         options.seed = seed;
-        SATEEN_TRY(Image drawn, synthesise(material, k, options, executor, part));
+        SATEEN_TRY(Image drawn, synthesise(material, lit_subspace(material, k), options,
+                                           executor, part));
         SATEEN_TRY(Comparison comparison,
                    compare_images(fmt::format("Subspace {}", k),
                                   {measurement.info().observations[observation].name,

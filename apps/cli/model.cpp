@@ -19,6 +19,7 @@
 #include "sateen/analysis/analyse.hpp"
 #include "sateen/analysis/range_map.hpp"
 #include "sateen/io/atomic_file.hpp"
+#include "sateen/io/atomic_folder.hpp"
 #include "sateen/io/executor.hpp"
 #include "sateen/io/material_file.hpp"
 #include "sateen/io/open_measurement.hpp"
@@ -107,7 +108,8 @@ nlohmann::ordered_json choice_json(const FieldChoice& choice) {
 }
 
 void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& result,
-                   const MeasurementInfo& info, double seconds) {
+                   const std::optional<RangeMap>& range, const MeasurementInfo& info,
+                   double seconds) {
     const Analysis& analysis = result.analysis;
     const Material& material = analysis.material;
     const std::size_t bytes = result.bytes;
@@ -143,7 +145,12 @@ void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& resu
     if (material.surface)
         json["surface"] = {{"size", {material.surface->cols, material.surface->rows}},
                            {"shear", material.surface->shear_px},
-                           {"tiles", material.surface->tiles.size()}};
+                           {"tiles", material.surface->tiles.size()},
+                           {"delit", material.surface->delit},
+                           {"shading_share", analysis.shading_share}};
+    if (range && range->method == SurfaceMethod::shading)
+        json["surface"]["light"] = {range->light.theta / kRadiansPerDegree,
+                                    range->light.phi / kRadiansPerDegree};
     json["notes"] = analysis.notes;
     print_json(json);
 }
@@ -183,6 +190,9 @@ Result<void> run_model(const ModelArguments& arguments) {
     if (!arguments.report.empty()) {
         SATEEN_TRY(const AtomicFile other, AtomicFile::create(arguments.report));
     }
+    if (!arguments.surface_out.empty()) {
+        SATEEN_TRY(const AtomicFolder other, AtomicFolder::create(arguments.surface_out));
+    }
 
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
     ConsoleProgress progress;
@@ -201,20 +211,16 @@ Result<void> run_model(const ModelArguments& arguments) {
         range ? range->estimated_bytes + range->estimated_bytes / 8 + kTableBytes : 0;
     if (range && arguments.budget != 0 && surface_bytes > arguments.budget / 2)
         range.reset();
-    const std::size_t budget = arguments.budget != 0 && range
-                                   ? arguments.budget - surface_bytes
-                                   : arguments.budget;
-    SATEEN_TRY(BudgetedAnalysis result, analyse_within(*measurement, options, budget,
-                                                       provenance, *executor, progress));
+    SATEEN_TRY(BudgetedAnalysis result,
+               analyse_within(*measurement, options, arguments.budget, provenance,
+                              range ? &*range : nullptr, *executor, progress));
     Analysis& analysis = result.analysis;
     if (range) {
-        analysis.material.surface = std::move(range->surface);
         analysis.notes.insert(analysis.notes.end(), range->notes.begin(),
                               range->notes.end());
         if (!arguments.surface_out.empty()) {
             SATEEN_TRY(const auto written,
-                       write_maps(arguments.surface_out, range->height_px, range->normals,
-                                  range->albedo, "albedo.png",
+                       write_maps(arguments.surface_out, *range,
                                   measurement->info().pixels_per_mm, *executor));
         }
     }
@@ -235,7 +241,7 @@ Result<void> run_model(const ModelArguments& arguments) {
         fmt::print(stderr, "sateen: {}\n", one_line(note));
     const std::chrono::duration<double> elapsed =
         std::chrono::steady_clock::now() - start;
-    print_summary(arguments, result, measurement->info(), elapsed.count());
+    print_summary(arguments, result, range, measurement->info(), elapsed.count());
     return {};
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sateen/analysis/range_map.hpp"
-#include "sateen/core/image.hpp"
+#include "sateen/core/direction.hpp"
 #include "sateen/core/parallel.hpp"
 #include "sateen/core/result.hpp"
 #include "sateen/synthesis/synthesise.hpp"
@@ -18,19 +18,17 @@ namespace sateen::cli {
 [[nodiscard]] Result<void> make_folder(const std::string& path);
 
 /// Writes height.png (16 bit, from the lowest to the highest point), normal.png (16 bit,
-/// (n + 1) / 2, y up), colour under `colour_name`, and maps.json, which says what the
-/// height means. \returns the paths
+/// (n + 1) / 2, y up), albedo.png, and maps.json, which says what the height means.
+/// \returns the paths
 [[nodiscard]] Result<std::vector<std::string>> write_maps(
-    const std::string& folder, const Image& height_px, const Image& normals,
-    const Image& colour, const std::string& colour_name,
-    std::optional<float> pixels_per_mm, Executor& executor);
+    const std::string& folder, const RangeMap& range, std::optional<float> pixels_per_mm,
+    Executor& executor);
 
 /// Draws aligned toroidal maps of a material: base colour, and height and normals where it
-/// has a surface, else flat ones. \returns the paths
-[[nodiscard]] Result<std::vector<std::string>> draw_maps(const std::string& folder,
-                                                         const Material& material,
-                                                         SynthesisOptions options,
-                                                         Executor& executor,
-                                                         Progress& progress);
+/// has a surface, else flat ones; with a light, relit.png as well, seen from above.
+/// \returns the paths
+[[nodiscard]] Result<std::vector<std::string>> draw_maps(
+    const std::string& folder, const Material& material, SynthesisOptions options,
+    std::optional<Direction> light, Executor& executor, Progress& progress);
 
 }  // namespace sateen::cli

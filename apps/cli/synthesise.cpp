@@ -35,7 +35,7 @@ struct SynthesiseArguments {
     std::string size = "512x512";
     std::string offset = "0,0";
     std::string view = "0,0";
-    std::string light = "0,0";
+    std::string light;
     std::string format = "png";
     std::optional<std::size_t> subspace;
     int bits = 0;
@@ -51,6 +51,12 @@ TorusSize chosen_size(const SynthesiseArguments& arguments, const Material& mate
     const WantedSize wanted = parse_wanted_size(arguments.size);
     return wanted.best ? best_torus(material, wanted.size.rows, wanted.size.cols)
                        : torus_of(material, wanted.size.rows, wanted.size.cols);
+}
+
+/// The light that was asked for, or the usual one.
+Direction chosen_light(const SynthesiseArguments& arguments, const Material& material) {
+    return arguments.light.empty() ? light_of(material)
+                                   : parse_direction(arguments.light);
 }
 
 SynthesisOptions synthesis_options(const SynthesiseArguments& arguments,
@@ -90,10 +96,10 @@ Result<void> write_one(const SynthesiseArguments& arguments, const Material& mat
         InterpolationOptions interpolation;
         interpolation.three_nearest = arguments.three_nearest;
         interpolation.reflectance = !arguments.three_nearest;
-        SATEEN_TRY(const Blend blend,
-                   blend_of(material, parse_direction(arguments.view),
-                            parse_direction(arguments.light), interpolation, executor));
-        SATEEN_CHECK(synthesise(material, blend, options, write, executor, progress));
+        SATEEN_TRY(const LitBlend lit,
+                   lit_blend(material, parse_direction(arguments.view),
+                             chosen_light(arguments, material), interpolation, executor));
+        SATEEN_CHECK(synthesise(material, lit, options, write, executor, progress));
     }
     return writer->finish();
 }
@@ -130,11 +136,15 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
 
     std::vector<std::string> written = {arguments.output};
     const std::size_t subspace = arguments.subspace.value_or(nearest_subspace(
-        material, parse_direction(arguments.view), parse_direction(arguments.light)));
+        material, parse_direction(arguments.view), chosen_light(arguments, material)));
     if (arguments.maps) {
-        SATEEN_TRY(written,
-                   draw_maps(arguments.output, material,
-                             synthesis_options(arguments, size), *executor, progress));
+        SATEEN_TRY(
+            written,
+            draw_maps(arguments.output, material, synthesis_options(arguments, size),
+                      arguments.light.empty()
+                          ? std::nullopt
+                          : std::optional(parse_direction(arguments.light)),
+                      *executor, progress));
     } else if (arguments.all) {
         SATEEN_TRY(written, write_all(arguments, material, size, *executor, progress));
     } else {
@@ -212,9 +222,10 @@ Verb add_synthesise(CLI::App& program) {
                      ->type_name("THETA,PHI")
                      ->capture_default_str()
                      ->check(checked(parse_direction));
-    auto* light = verb->add_option("--light", arguments->light, "Direction in degrees")
+    auto* light = verb->add_option("--light", arguments->light,
+                                   "Direction in degrees; else 0,0, and 45,135 for\n"
+                                   "photographs with --surface shading")
                       ->type_name("THETA,PHI")
-                      ->capture_default_str()
                       ->check(checked(parse_direction));
     auto* subspace = verb->add_option("--subspace", arguments->subspace,
                                       "Number of a subspace, instead of directions")
@@ -224,7 +235,8 @@ Verb add_synthesise(CLI::App& program) {
                                "Tileable textures of every subspace, into a folder");
     auto* maps = verb->add_flag("--maps", arguments->maps,
                                 "Aligned tileable maps into a folder: base_colour.png,\n"
-                                "height.png and normal.png (16 bit), maps.json");
+                                "height.png and normal.png (16 bit), maps.json; with\n"
+                                "--light also relit.png");
     verb->add_flag("--recursive", arguments->recursive,
                    "Draw by causal recursion, as paper-mode materials are");
     verb->add_option("--bits", arguments->bits,
@@ -241,7 +253,7 @@ Verb add_synthesise(CLI::App& program) {
     offset->excludes(tileable)->excludes(all);
     for (CLI::Option* other : {view, light, subspace}) other->excludes(all);
     subspace->excludes(view)->excludes(light);
-    for (CLI::Option* other : {offset, view, light, subspace, all}) other->excludes(maps);
+    for (CLI::Option* other : {offset, view, subspace, all}) other->excludes(maps);
     arguments->common.add_to(*verb);
     verb->footer(
         "Examples:\n"

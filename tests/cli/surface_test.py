@@ -5,7 +5,7 @@ import json
 import math
 import unittest
 
-from support import CliTest, png, photograph
+from support import CliTest, png, photograph, read_png
 
 SIDE = 48
 LIGHTS = [(t, p) for t in (20, 40, 55) for p in (10, 100, 190, 280)]
@@ -40,7 +40,30 @@ def picture(theta, phi):
     return png(rows, SIDE, bits=16)
 
 
+def luminances(rows):
+    return [row[i] + row[i + 1] + row[i + 2] for row in rows for i in range(0, len(row), 3)]
+
+
+def contrast(rows):
+    values = luminances(rows)
+    mean = sum(values) / len(values)
+    return math.sqrt(sum((v - mean) ** 2 for v in values) / len(values)) / mean
+
+
+def correlation(a, b):
+    mean_a, mean_b = sum(a) / len(a), sum(b) / len(b)
+    ab = sum((x - mean_a) * (y - mean_b) for x, y in zip(a, b))
+    aa = sum((x - mean_a) ** 2 for x in a)
+    bb = sum((y - mean_b) ** 2 for y in b)
+    return ab / math.sqrt(aa * bb)
+
+
 class Surfaces(CliTest):
+    def drawn(self, *arguments):
+        """Rows of what the arguments write to t.png."""
+        self.succeed(*arguments)
+        return read_png(self.folder / "t.png")[2]
+
     def icon(self):
         lines = [str(len(LIGHTS))]
         for i, (theta, phi) in enumerate(LIGHTS):
@@ -86,6 +109,59 @@ class Surfaces(CliTest):
             self.assertEqual(int.from_bytes(header[4:8], "big"), int(rows))
             self.assertEqual(header[8], 16)
 
+    def test_shading_is_divided_out_and_put_back(self):
+        report = self.succeed_with_json("model", self.icon(), "-o", "m.sateen")
+        self.assertTrue(report["surface"]["delit"])
+        # The albedo of the icon is uniform: all contrast is shading.
+        self.assertGreater(report["surface"]["shading_share"], 0.95)
+        size = ["--size", "96x48"]
+        draw = ["synthesise", "m.sateen", "-o"]
+        smooth, lit = (
+            contrast(self.drawn(*draw, "t.png", *size, "--tileable", *how))
+            for how in (["--subspace", "0"], ["--light", "55,10"])
+        )
+        self.assertGreater(lit, 5 * smooth)
+        report = self.succeed_with_json(*draw, "out", "--maps", "--light", "55,10", *size)
+        names = sorted(p.name for p in (self.folder / "out").iterdir())
+        self.assertEqual(
+            names, ["base_colour.png", "height.png", "maps.json", "normal.png", "relit.png"]
+        )
+        self.assertEqual(sorted(report["written"]), [f"out/{name}" for name in names])
+        alone = (self.folder / "t.png").read_bytes()
+        self.assertEqual((self.folder / "out/relit.png").read_bytes(), alone)
+        self.assertLess(contrast(read_png(self.folder / "out/base_colour.png")[2]), 0.1)
+        maps = json.loads((self.folder / "out/maps.json").read_text())
+        self.assertTrue(maps["colour"]["delit"])
+        self.assertEqual(maps["height"]["unit"], "pixels of these maps")
+        for angle, expected in zip(maps["relit"]["light"], (55, 10)):
+            self.assertAlmostEqual(angle, expected, delta=0.01)
+
+    def test_light_from_the_other_side_shows_the_other_slopes(self):
+        self.succeed("model", self.icon(), "-o", "m.sateen")
+        east, west = (
+            luminances(
+                self.drawn("synthesise", "m.sateen", "-o", "t.png", "--size", "96",
+                           "--tileable", "--light", light)
+            )
+            for light in ("50,0", "50,180")
+        )
+        self.assertLess(correlation(east, west), -0.3)
+
+    def test_maps_appear_together_and_spare_other_files(self):
+        self.file("maps/mine.txt", b"mine")
+        self.succeed("model", self.icon(), "-o", "m.sateen", "--surface-out", "maps")
+        names = sorted(p.name for p in (self.folder / "maps").iterdir())
+        self.assertIn("mine.txt", names)
+        self.assertEqual(len(names), 5)
+        self.assertEqual(self.leftovers(), [])
+        self.file("flat", b"a file")
+        self.refuse(
+            "model", self.folder / "icon/dirs.lp", "-o", "n.sateen", "--surface-out", "flat",
+            names=["flat", "expected a folder"],
+        )
+        self.assertFalse((self.folder / "n.sateen").exists())
+        self.assertEqual(self.leftovers(), [])
+
     def test_a_photograph_has_a_surface_if_asked(self):
         self.file("stone.png", photograph(64, 64))
         report = self.succeed_with_json("model", "stone.png", "-o", "m.sateen")
@@ -97,6 +173,16 @@ class Surfaces(CliTest):
         options += ["--surface-light", "45,120"]
         report = self.succeed_with_json("model", "stone.png", "-o", "m.sateen", *options)
         self.assertEqual(report["notes"], [])
+        self.assertTrue(report["surface"]["delit"])
+        for angle, expected in zip(report["surface"]["light"], (45, 120)):
+            self.assertAlmostEqual(angle, expected, delta=0.01)
+        # Without a light it is lit from the upper left.
+        own, same, other = (
+            self.drawn("synthesise", "m.sateen", "-o", "t.png", "--size", "64", *light)
+            for light in ([], ["--light", "45,135"], ["--light", "45,300"])
+        )
+        self.assertEqual(own, same)
+        self.assertNotEqual(own, other)
 
     def test_says_what_is_missing(self):
         self.file("stone.png", photograph(64, 64))

@@ -407,10 +407,10 @@ TEST(SynthesiseDirection, ScatteredSetsOfVeryManyPairsHaveTheNearest) {
     m.lights = m.views;
     SerialExecutor executor;
     for (const std::size_t i : {0U, 77U, 1001U}) {
-        const auto blend = blend_of(m, m.views[i], m.lights[i], {}, executor);
-        ASSERT_TRUE(blend) << blend.error().message;
-        EXPECT_EQ(blend->count, 1U);
-        EXPECT_EQ(blend->subspace[0], i % 2);
+        const auto lit = lit_blend(m, m.views[i], m.lights[i], {}, executor);
+        ASSERT_TRUE(lit) << lit.error().message;
+        EXPECT_EQ(lit->blend.count, 1U);
+        EXPECT_EQ(lit->blend.subspace[0], i % 2);
     }
 }
 
@@ -419,15 +419,15 @@ TEST(SynthesiseDirection, WindowsOfABlendAgreeWithTheEvaluator) {
     m.reflectance = lambertian(m, 0.6F, 0.1F);
     SerialExecutor executor;
     Progress progress;
-    const auto blend = blend_of(m, direction_from_degrees(20, 10),
-                                direction_from_degrees(37, 7), {}, executor);
-    ASSERT_TRUE(blend);
-    EXPECT_EQ(blend->count, 2U);
+    const auto lit = lit_blend(m, direction_from_degrees(20, 10),
+                               direction_from_degrees(37, 7), {}, executor);
+    ASSERT_TRUE(lit);
+    EXPECT_EQ(lit->blend.count, 2U);
     SynthesisOptions options;
     options.rows = options.cols = 96;
     double sum = 0;
     const auto drawn = synthesise(
-        m, *blend, options,
+        m, *lit, options,
         [&](std::size_t, ImageView<const float> strip) -> Result<void> {
             for (std::size_t i = 0; i < strip.size(); ++i)
                 sum += static_cast<double>(strip.data[i]);
