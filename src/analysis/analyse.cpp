@@ -143,6 +143,9 @@ Image window_on(const RangeMap& surface, Image image) {
                          surface.height_px.cols());
 }
 
+/// So many representatives say whether shading explains them all.
+constexpr std::size_t kMostJudged = 7;
+
 /// Images as they are modelled.
 class Reader {
   public:
@@ -194,13 +197,15 @@ double shading_share(const Measurement& measurement,
                      const Representatives& representatives, const RangeMap& surface,
                      Executor& executor) {
     if (representatives.observations.front().size() > 1) return 0;
-    const std::size_t count = representatives.observations.size();
+    const std::size_t every = 1 + (representatives.observations.size() - 1) / kMostJudged;
+    const std::size_t count = (representatives.observations.size() - 1) / every + 1;
     std::vector<ExplainedContrast> parts(count);
-    parallel_for(executor, count, [&](std::size_t k) {
+    parallel_for(executor, count, [&](std::size_t i) {
+        const std::size_t k = i * every;
         const std::size_t observation = representatives.observations[k].front();
         Result<Image> image = measurement.read(observation);
         if (!image) return;  // reported, or skipped, where it is modelled
-        parts[k].add(window_on(surface, std::move(*image)),
+        parts[i].add(window_on(surface, std::move(*image)),
                      shading_of(measurement.info(), observation, surface),
                      static_cast<double>(representatives.members[k]));
     });

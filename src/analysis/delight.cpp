@@ -45,10 +45,10 @@ class Sight {
             std::minmax_element(height.data, height.data + height.size());
         lowest_ = *low;
         highest_ = *high;
-        // A step of half a pixel passes over nothing.
+        // Steps of a pixel pass over nothing that shows.
         const float path = (highest_ - lowest_) * std::hypot(cols_per_z_, rows_per_z_);
         steps_ = static_cast<int>(
-            std::clamp(std::ceil(2 * path), 1.0F, static_cast<float>(kMostSteps)));
+            std::clamp(std::ceil(path), 1.0F, static_cast<float>(kMostSteps)));
         displaces_ = path > kLeastPath;
     }
 
