@@ -13,6 +13,7 @@ Pictures go to docs/gallery/<topic>/, the page to docs/gallery/<topic>.md.
 import hashlib
 import io
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -195,10 +196,12 @@ class Context:
 
     def picture(self, verb, material, *options):
         """A PIL image of `sateen synthesise` or `sateen render`."""
-        path = self.scratch / "picture.png"
+        path = self.scratch / f"picture-{os.getpid()}.png"
         self.run(verb, material, "-o", path, *options)
         with Image.open(path) as image:
-            return image.convert("RGB")
+            picture = image.convert("RGB")
+        path.unlink()
+        return picture
 
     def measured(self, measurement, view, light):
         """A PIL image of a measurement named as UBO2003 names its files; view and light are
