@@ -97,7 +97,7 @@ def kettle():
     obj.turned(_smooth(lid, 8))
     spout = _smooth([(0.75, 0.0, 0.42), (1.15, 0.0, 0.55), (1.38, 0.0, 0.9), (1.62, 0.0, 1.12)], 10)
     obj.tube(spout, [0.24 - 0.15 * k / (len(spout) - 1) for k in range(len(spout))])
-    handle = [(0.95 * math.cos(a), 0.0, 1.05 + 0.95 * math.sin(a))
+    handle = [(0.78 * math.cos(a), 0.0, 1.0 + 0.85 * math.sin(a))
               for a in (math.pi * (0.03 + 0.94 * k / 48) for k in range(49))]  # fmt: skip
     obj.tube(handle, [0.07] * len(handle))
     return obj.text()
