@@ -14,6 +14,7 @@
 #include "material/message.hpp"
 #include "sateen/core/direction_mesh.hpp"
 #include "sateen/material/cell_table.hpp"
+#include "sateen/synthesis/interpolate.hpp"
 
 namespace sateen::wasm {
 namespace {
@@ -86,18 +87,18 @@ void add_index(Json& json, const Material& material) {
     json.close(']');
 }
 
-/// The curves for what fields_only draws: straight where the planes hold a structure already.
-std::vector<Marginal> drawn_marginals(const Material& material,
-                                      const Subspace& subspace) {
-    if (!material.structure) return subspace.marginals;
-    std::vector<Marginal> straight;
-    for (const float deviation : plane_deviations(*material.structure, subspace))
-        straight.push_back({deviation, {}});
-    return straight;
+void add_curve(Json& json, const ToneCurve& curve) {
+    json.open('{');
+    json.key("low");
+    json.number(curve.low);
+    json.key("high");
+    json.number(curve.high);
+    json.key("values");
+    json.numbers(curve.values);
+    json.close('}');
 }
 
-void add_subspace(Json& json, const Material& material, const Subspace& subspace) {
-    const std::vector<Marginal> marginals = drawn_marginals(material, subspace);
+void add_subspace(Json& json, const Subspace& subspace) {
     json.open('{');
     json.key("members");
     json.number(subspace.members);
@@ -113,12 +114,32 @@ void add_subspace(Json& json, const Material& material, const Subspace& subspace
     json.numbers(subspace.spectral.T);
     json.key("scale");
     json.open('[');
-    for (const Marginal& marginal : marginals) json.number(marginal.scale);
+    for (const Marginal& marginal : subspace.marginals) json.number(marginal.scale);
     json.close(']');
     json.key("knots");
     json.open('[');
-    for (const Marginal& marginal : marginals) json.numbers(marginal.knots);
+    for (const Marginal& marginal : subspace.marginals) json.numbers(marginal.knots);
     json.close(']');
+    json.key("curves");
+    json.open('[');
+    if (subspace.structure)
+        for (const PeriodicCell& cell : subspace.structure->cells)
+            add_curve(json, cell.curve);
+    json.close(']');
+    json.close('}');
+}
+
+void add_pattern(Json& json, const PeriodicLayer& layer) {
+    const std::array<double, 2> down = LatticeMap(layer).to_cell(1, 0);
+    const std::array<double, 2> across = LatticeMap(layer).to_cell(0, 1);
+    json.open('{');
+    json.key("rows");
+    json.number(CellTable::kOversampling * layer.rows);
+    json.key("cols");
+    json.number(CellTable::kOversampling * layer.cols);
+    json.key("inverse");
+    json.numbers({static_cast<float>(down[0]), static_cast<float>(across[0]),
+                  static_cast<float>(down[1]), static_cast<float>(across[1])});
     json.close('}');
 }
 
@@ -167,11 +188,13 @@ std::string describe(const Material& material) {
     add_index(json, material);
     json.key("subspaces");
     json.open('[');
-    for (const Subspace& subspace : material.subspaces)
-        add_subspace(json, material, subspace);
+    for (const Subspace& subspace : material.subspaces) add_subspace(json, subspace);
     json.close(']');
-    json.key("structured");
-    json.literal(material.structure ? "true" : "false");
+    json.key("pattern");
+    if (material.structure)
+        add_pattern(json, material.structure->periodic);
+    else
+        json.literal("null");
     json.key("surface");
     if (material.surface) {
         json.open('{');
@@ -218,6 +241,12 @@ std::vector<std::uint32_t> packed_cells(std::span<const Direction> directions) {
             append(cell.row[k], cell.vertex[k] | (k == 2 && cell.sector ? kSector : 0U),
                    cell.neighbour[k]);
     return words;
+}
+
+std::vector<std::uint8_t> complete_index(const Material& material) {
+    const auto interpolation = DirectionalInterpolation::create(material, {});
+    if (!interpolation) return {};
+    return {interpolation->index().begin(), interpolation->index().end()};
 }
 
 std::vector<float> appearance_of_pairs(const Material& material) {

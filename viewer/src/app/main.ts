@@ -20,6 +20,18 @@ interface Shown {
   material: SateenMaterial;
 }
 
+/** `?reference=VIEW,LIGHT,…` shows what `sateen render` draws of a plane, for comparison with it. */
+const QUERY = new URLSearchParams(location.search);
+const REFERENCE = QUERY.get('reference');
+
+/** Directions in degrees (view theta, phi, light theta, phi), repeats of the tile, 1 for displacement. */
+function showReference(text: string): void {
+  const [viewTheta = 0, viewPhi = 0, lightTheta = 0, lightPhi = 0, repeats = 1, marched = 0] = text.split(',').map(Number);
+  const radians = (theta: number, phi: number): [number, number] => [(theta * Math.PI) / 180, (phi * Math.PI) / 180];
+  if (shown.main) shown.main.material.marched = marched === 1;
+  stage.showReference(radians(viewTheta, viewPhi), radians(lightTheta, lightPhi), repeats, TILE);
+}
+
 const stage = new Stage(get<HTMLCanvasElement>('canvas'));
 const shown: { main?: Shown; other?: Shown } = {};
 let opening: AbortController | undefined;
@@ -53,7 +65,9 @@ async function open(source: string | Blob | Uint8Array, name: string, compare = 
   let loaded: Material | undefined;
   try {
     loaded = await loadMaterial(source);
-    const material = await SateenMaterial.create(loaded, { tile: TILE, onProgress: showProgress, signal });
+    const material = await SateenMaterial.create(loaded, {
+      tile: TILE, repeat: REFERENCE !== null, onProgress: showProgress, signal,
+    });
     const next = { name: loaded.description.name || name, bytes: loaded.bytes, material };
     const slot = compare ? 'other' : 'main';
     shown[slot]?.material.dispose();
@@ -276,11 +290,15 @@ setTheme(matchMedia('(prefers-color-scheme: dark)').matches);
 
 async function start(): Promise<void> {
   const embedded = document.getElementById('sateen-material');
-  const url = new URLSearchParams(location.search).get('url');
+  const url = QUERY.get('url');
   if (embedded) {
     const bytes = Uint8Array.from(atob(embedded.textContent!.trim()), (c) => c.charCodeAt(0));
     await open(bytes, embedded.dataset.name ?? 'material');
   } else if (url) await open(url, url.split('/').pop() ?? url);
+  if (REFERENCE && shown.main) {
+    showReference(REFERENCE);
+    addEventListener('reference', (event) => showReference((event as CustomEvent<string>).detail));
+  }
   get('welcome').hidden = shown.main !== undefined;
   document.body.dataset.started = 'true';
 }

@@ -45,6 +45,7 @@ export class Stage {
   private readonly waiting = new MeshBasicMaterial({ visible: false });
   private background: CanvasTexture | undefined;
   private queued = false;
+  private reference = false;
   private shape: ShapeName | 'own' = 'sphere';
   private texelsPerLength = 512;
   material: SateenMaterial | undefined;
@@ -161,14 +162,42 @@ export class Stage {
     this.draw();
   }
 
+  /**
+   * The scene of `sateen render --mesh plane --exposure 1` under one light: the same camera, no tone mapping.
+   * Directions are [theta, phi] in radians in the frame of the plane.
+   */
+  showReference(view: [number, number], light: [number, number], repeats: number, texels: number): void {
+    const towards = ([theta, phi]: [number, number]): Vector3 =>
+      new Vector3(Math.sin(theta) * Math.cos(phi), Math.sin(theta) * Math.sin(phi), Math.cos(theta));
+    const FIELD_OF_VIEW = 28;
+    const ROOM = 1.06;
+    this.renderer.toneMapping = NoToneMapping;
+    this.shape = 'plane';
+    this.show(new Mesh(new PlaneGeometry(2, 2), this.waiting));
+    this.reference = true;
+    this.setScale((repeats * texels) / 2);
+    this.camera.fov = FIELD_OF_VIEW;
+    // Seen from the pole, +y is up.
+    const [theta, phi] = [view[0], view[0] === 0 ? -Math.PI / 2 : view[1]];
+    this.camera.up.set(-Math.cos(theta) * Math.cos(phi), -Math.cos(theta) * Math.sin(phi), Math.sin(theta));
+    this.camera.position.copy(towards([theta, phi])).multiplyScalar(ROOM / Math.sin((FIELD_OF_VIEW * Math.PI) / 360));
+    this.camera.lookAt(0, 0, 0);
+    this.camera.updateProjectionMatrix();
+    this.setSurroundings('lamp');
+    this.lamp.position.copy(towards(light)).multiplyScalar(5);
+    this.drawNow();
+  }
+
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    const half = Math.tan(Math.PI / 12) / Math.min(1, this.camera.aspect);
-    this.camera.fov = (Math.atan(half) * 360) / Math.PI;
+    if (!this.reference) {
+      const half = Math.tan(Math.PI / 12) / Math.min(1, this.camera.aspect);
+      this.camera.fov = (Math.atan(half) * 360) / Math.PI;
+    }
     this.camera.updateProjectionMatrix();
     this.drawNow();
   }

@@ -2,7 +2,7 @@
 // A material in the browser: loaded from an address or bytes, drawn in a worker.
 import { unpack } from './payload';
 import { type DrawOptions, type MaterialData, SateenError } from './runtime';
-import type { Reply, Request } from './worker';
+import type { Drawn, Reply, Request } from './worker';
 import SateenWorker from './worker?worker&inline';
 import wasmBase64 from './wasm';
 
@@ -58,14 +58,27 @@ export class Material {
 
   /** Draws the range map as a torus: heights in pixels, (rows, cols). */
   async drawRange(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Float32Array> {
-    let heights: Float32Array = new Float32Array();
-    await this.ask({ kind: 'range', rows, cols, seed }, (_, texture) => (heights = texture), signal);
-    return heights;
+    return (await this.ask({ kind: 'range', rows, cols, seed }, undefined, signal)) as Drawn['range'];
+  }
+
+  /** The displacement of the pattern on a torus. */
+  async drawPhase(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Drawn['phase']> {
+    return (await this.ask({ kind: 'phase', rows, cols, seed }, undefined, signal)) as Drawn['phase'];
+  }
+
+  /** The cells of the pattern of every subspace: LoadedMaterial.pattern(). */
+  async patterns(signal?: AbortSignal): Promise<Drawn['patterns']> {
+    return (await this.ask({ kind: 'patterns' }, undefined, signal)) as Drawn['patterns'];
+  }
+
+  /** Moments of the textures of all subspaces on a torus. */
+  async moments(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Drawn['moments']> {
+    return (await this.ask({ kind: 'moments', rows, cols, seed }, undefined, signal)) as Drawn['moments'];
   }
 
   private async ask(
-    request: Request, take: (subspace: number, texture: Float32Array) => void, signal?: AbortSignal,
-  ): Promise<void> {
+    request: Request, take?: (subspace: number, texture: Float32Array) => void, signal?: AbortSignal,
+  ): Promise<unknown> {
     signal?.throwIfAborted();
     const worker = (this.worker ??= (await start(this.payload)).worker);
     const { promise, resolve, reject } = deferred();
@@ -75,14 +88,14 @@ export class Material {
     };
     signal?.addEventListener('abort', stop, { once: true });
     worker.onmessage = ({ data }: MessageEvent<Reply>) => {
-      if (data.kind === 'texture') take(data.subspace, data.texture);
-      else if (data.kind === 'drawn') resolve();
+      if (data.kind === 'texture') take?.(data.subspace, data.texture);
+      else if (data.kind === 'drawn') resolve(data.result);
       else if (data.kind === 'failed') reject(new SateenError(data.message));
     };
     worker.onerror = (event) => reject(new SateenError(event.message || 'the worker failed'));
     worker.postMessage(request);
     try {
-      await promise;
+      return await promise;
     } finally {
       signal?.removeEventListener('abort', stop);
     }
@@ -96,8 +109,8 @@ export class Material {
 }
 
 interface Deferred {
-  promise: Promise<void>;
-  resolve: () => void;
+  promise: Promise<unknown>;
+  resolve: (result: unknown) => void;
   reject: (reason: unknown) => void;
 }
 

@@ -15,6 +15,15 @@ export interface SubspaceDescription {
   scale: number[];
   /** Of each plane 16 values in units of scale, at g = -3 … 3; or none. */
   knots: number[][];
+  /** Of a pattern: the curve of each plane. */
+  curves: ToneCurve[];
+}
+
+/** Linear between equally spaced abscissae, of slope 1 outside; without values the identity. */
+export interface ToneCurve {
+  low: number;
+  high: number;
+  values: number[];
 }
 
 /** What a renderer must know of a material besides its textures. */
@@ -32,8 +41,8 @@ export interface Description {
   /** Subspace of each pair, lights outermost; -1 where none was measured. */
   index: number[];
   subspaces: SubspaceDescription[];
-  /** Whether textures are more than curves of Gaussian fields. */
-  structured: boolean;
+  /** Its table of cells, and B⁻¹ by rows: (row, column) in pixels to phases. */
+  pattern: { rows: number; cols: number; inverse: number[] } | null;
   /** A tile of the range map. */
   surface: { rows: number; cols: number; delit: boolean } | null;
 }
@@ -43,12 +52,32 @@ export interface MaterialData extends Description {
   /** Triangulated directions: packed_cells() of bindings/wasm/describe.hpp. */
   viewCells: Uint32Array;
   lightCells: Uint32Array;
+  /** Subspace of every pair, lights outermost, measured or not. */
+  subspaceOf: Uint8Array;
   /** e of every pair, (lights, views, 4): material/reflectance.hpp. */
   appearance: Float32Array | null;
 }
 
 /** Squares along the map of cells to start from. */
 export const START_SIDE = 64;
+
+/** Of the textures of all subspaces, from the same noise: synthesis/interpolate.hpp. */
+export interface TextureMoments {
+  /** (subspaces, 4): red, green, blue, 0 */
+  mean: Float32Array;
+  /** Of the luminances of every two, (subspaces, subspaces). */
+  covariance: Float32Array;
+  /** -8 ln E √(t / mean) of each band and of the luminance, (subspaces, 4). */
+  root: Float32Array;
+}
+
+/** The pattern's displacement on a torus. */
+export interface PatternPhase {
+  /** B'⁻¹ D, (2, rows, cols) */
+  shift: Float32Array;
+  /** B'⁻¹ by rows, of the lattice that closes on the torus. */
+  inverse: number[];
+}
 
 /** What to draw: a torus of every subspace. */
 export interface DrawOptions {
@@ -75,6 +104,10 @@ interface Exports {
   sateen_describe(loaded: number): number;
   sateen_cells(loaded: number, lights: number): number;
   sateen_appearance(loaded: number): number;
+  sateen_index(loaded: number): number;
+  sateen_pattern(loaded: number, subspace: number): number;
+  sateen_moments(loaded: number, rows: number, cols: number, seedLow: number, seedHigh: number): number;
+  sateen_draw_phase(loaded: number, rows: number, cols: number, seedLow: number, seedHigh: number): number;
   sateen_draw_range(loaded: number, rows: number, cols: number, seedLow: number, seedHigh: number): number;
   sateen_nearest_subspace(
     loaded: number, viewTheta: number, viewPhi: number, lightTheta: number, lightPhi: number): number;
@@ -123,15 +156,21 @@ export class Runtime {
     this.exports.sateen_release(at);
     if (handle === 0) throw this.failure();
     const description = JSON.parse(this.text(this.exports.sateen_describe(handle))) as Description;
-    const { memory, sateen_appearance } = this.exports;
     const pairs = description.views.length * description.lights.length;
-    const table = sateen_appearance(handle);
+    const table = this.exports.sateen_appearance(handle);
+    const index = this.exports.sateen_index(handle);
     return new LoadedMaterial(this, handle, {
       ...description,
       viewCells: this.cells(handle, 0, description.views.length),
       lightCells: this.cells(handle, 1, description.lights.length),
-      appearance: table === 0 ? null : new Float32Array(memory.buffer, table, 4 * pairs).slice(),
+      subspaceOf: index === 0 ? new Uint8Array() : new Uint8Array(this.exports.memory.buffer, index, pairs).slice(),
+      appearance: table === 0 ? null : this.floats(table, 4 * pairs),
     });
+  }
+
+  /** A copy: the module's memory moves when it grows. */
+  private floats(at: number, count: number): Float32Array {
+    return new Float32Array(this.exports.memory.buffer, at, count).slice();
   }
 
   private cells(handle: number, which: number, directions: number): Uint32Array {
@@ -145,13 +184,43 @@ export class Runtime {
 
   /** @internal */
   drawRange(handle: number, rows: number, cols: number, seed: bigint): Float32Array {
-    let heights: Float32Array = new Float32Array();
+    return this.drawOne(rows * cols, () => this.exports.sateen_draw_range(handle, rows, cols, ...halves(seed)));
+  }
+
+  /** @internal */
+  drawPhase(handle: number, rows: number, cols: number, seed: bigint): PatternPhase {
+    const all = this.drawOne(2 * rows * cols + 4,
+      () => this.exports.sateen_draw_phase(handle, rows, cols, ...halves(seed)));
+    return { shift: all.slice(0, 2 * rows * cols), inverse: [...all.subarray(2 * rows * cols)] };
+  }
+
+  private drawOne(length: number, draw: () => number): Float32Array {
+    let drawn: Float32Array = new Float32Array();
     this.take = (_, texture) => {
-      heights = texture;
+      drawn = texture;
     };
-    this.textureLength = rows * cols;
-    if (!this.exports.sateen_draw_range(handle, rows, cols, ...halves(seed))) throw this.failure();
-    return heights;
+    this.textureLength = length;
+    if (!draw()) throw this.failure();
+    return drawn;
+  }
+
+  /** @internal */
+  moments(handle: number, subspaces: number, rows: number, cols: number, seed: bigint): TextureMoments {
+    const at = this.exports.sateen_moments(handle, rows, cols, ...halves(seed));
+    if (at === 0) throw this.failure();
+    const all = this.floats(at, subspaces * (4 + subspaces));
+    return {
+      mean: all.slice(0, 4 * subspaces),
+      root: all.slice(0, 4 * subspaces),
+      covariance: all.slice(4 * subspaces),
+    };
+  }
+
+  /** @internal */
+  pattern(handle: number, subspace: number, sites: number): Float32Array {
+    const at = this.exports.sateen_pattern(handle, subspace);
+    if (at === 0) throw new SateenError(`no pattern of subspace ${subspace}`);
+    return this.floats(at, 6 * sites);
   }
 
   /** @internal */
@@ -181,9 +250,7 @@ export class Runtime {
   }
 
   private taken(subspace: number, texture: number): number {
-    // A copy: the module's memory moves when it grows.
-    const copy = new Float32Array(this.exports.memory.buffer, texture, this.textureLength).slice();
-    return this.take(subspace, copy) === false ? 0 : 1;
+    return this.take(subspace, this.floats(texture, this.textureLength)) === false ? 0 : 1;
   }
 
   private failure(): SateenError {
@@ -206,6 +273,22 @@ export class LoadedMaterial {
   /** Heights of the range map in pixels, a torus of (rows, cols). */
   drawRange(rows: number, cols: number, seed = 0n): Float32Array {
     return this.runtime.drawRange(this.handle, rows, cols, seed);
+  }
+
+  /** The pattern's displacement on a torus. */
+  drawPhase(rows: number, cols: number, seed = 0n): PatternPhase {
+    return this.runtime.drawPhase(this.handle, rows, cols, seed);
+  }
+
+  /** Cells of the pattern of one subspace, (rows, cols, 6): m of three planes, then s. */
+  pattern(subspace: number): Float32Array {
+    const { rows, cols } = this.description.pattern!;
+    return this.runtime.pattern(this.handle, subspace, rows * cols);
+  }
+
+  /** Moments of the textures of all subspaces on a torus. */
+  moments(rows: number, cols: number, seed = 0n): TextureMoments {
+    return this.runtime.moments(this.handle, this.description.subspaces.length, rows, cols, seed);
   }
 
   /** Draws one texture after the other and gives each to `take`. */

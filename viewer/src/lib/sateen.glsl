@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The evaluation of a material on the GPU (WebGL 2). Names are those of the C++: g, q, T, mean,
-// tone (synthesis/appearance.cpp), index, subspace, view, light (material/material.hpp).
-// Theory, and how many texels a pixel reads: docs/theory/viewer_shader.md.
+// The evaluation of a material on the GPU (WebGL 2). Names are those of the C++ and of
+// docs/theory/evaluation.md, the reference: g, q, T, mean, tone (synthesis/appearance.cpp);
+// blend, fade, target, amplify, power (synthesis/interpolate.cpp); displaced, s (evaluate.cpp).
+// What a pixel costs: docs/theory/viewer_shader.md.
 //
-// A pixel's colour is
+//     radiance = Σ_lights E/π max(0, offset + gain (x s)^power),   x = Σ_k w_k v_k(u)
 //
-//     Σ_lights E  Σ_{i,j ∈ 3 × 3} w_i^view w_j^light  a_ij  v_k(x),   k = index(i, j)
-//
-// with barycentric weights w in the triangles of measured directions [CAR2 §IV], the reflectance
-// a_ij of each pair, and the texture v_k of its subspace at the place x. It is linear in v_k:
-// weights are summed for each subspace first, and each texture is read once for all lights.
+// with barycentric weights w of subspaces in the triangles of measured directions [CAR2 §III],
+// the texture v_k of each, and the shading s of the surface. Each texture is read once for all
+// lights. Branches that skip work are loops: renderers in software run both sides of an `if`.
 
 precision highp float;
 precision highp int;
@@ -18,16 +17,24 @@ precision highp usampler2D;
 
 uniform sampler2DArray fields;  // layer k: g of every plane, toroidal, (g + G) / 2G
 uniform sampler2D curves;       // rows (k, level): q(g) of every plane
-uniform sampler2D planes;       // column k: rows of T, then mean, then s² of each level
+uniform sampler2D hidden;       // column k, row level: variance of each band that the level hides,
+                                // and the share of the luminance's variance that it keeps
 uniform usampler2D viewCells;   // triangulated views: core/direction_mesh.hpp
-uniform usampler2D lightCells;
-uniform sampler2D pairs;        // (a_ij, k), lights outermost, LIST_COLS a row
-uniform sampler2D surface;      // slopes p = ∂z/∂x, q = ∂z/∂y, height z in texels, p² + q²
+uniform usampler2D lightCells;  // the same of lights, then (z, ∛z) of every light
+uniform usampler2D pairs;       // e of every pair and its subspace, lights outermost
+uniform sampler2D surface;      // unit normal N, height h in texels; a torus
+uniform sampler2D moments;      // mean and mean square of max(0, N·l) over the surface, by l
+uniform sampler2DArray cells;   // layers 2k, 2k + 1: m and s of the pattern
+uniform sampler2D phase;        // B⁻¹ D, toroidal like the fields
+uniform sampler2D toneCurves;   // rows (k, level): c of every plane of the pattern
+uniform vec4 subspaces[SUBSPACES * SUBSPACE_ROWS];
+uniform vec4 latticeInverse;    // B⁻¹ by rows
 uniform vec2 surfaceSize;       // of its torus, in texels
 uniform vec2 fieldSize;         // of the torus of fields, in texels
 uniform vec2 texelsPerUv;
 uniform vec2 heightRange;       // smallest and largest height, in texels
 uniform float relief;           // scale of heights; 0 switches relief off
+uniform bool marched;           // displacement and self-shadow, not shading alone
 uniform vec3 tint;
 uniform float exposure;
 uniform int viewMode;           // VIEW_*
@@ -44,6 +51,15 @@ const int VIEW_INDEX = 3;
 
 const float G = 4.2;            // g runs from -G to G …
 const float G_NODES = 85.0;     // … in nodes 0.1 apart, which all knots of a marginal are
+const vec3 LUMINANCE = vec3(0.2126390059, 0.7151686788, 0.0721923154);
+
+// Rows of each in `subspaces`; the first three are T.
+const int ROW_MEAN = 3;         // of the transform; tone in w
+const int ROW_TEXTURE = 4;      // mean of the texture; ln(1 + κ²) in w
+const int ROW_COVARIANCE = 5;   // F: covariance of luminances j and k is F_j · F_k
+const int ROW_ROOT = 6;         // h of red, green, blue, luminance: TextureMoments::root
+const int ROW_LOW = 7;          // of the tone curves: first abscissa of each plane
+const int ROW_SCALE = 8;        // and 1 over their length
 
 // ---------------------------------------------------------------- directions
 
@@ -52,21 +68,25 @@ struct Corners {
     vec3 w;
 };
 
+uvec4 in_list(usampler2D list, int at) {
+    return texelFetch(list, ivec2(at % LIST_COLS, at / LIST_COLS), 0);
+}
+
 // DirectionMesh::interpolate: the square of the stereographic map (x, y) / (1 + z) that d is in
 // names a cell, from which a walk leads across the border that d is furthest beyond. The weights
 // are s_k = row_k · d, of sum 1; past the rim (in a sector) the third counts as 0.
-Corners corners_of(usampler2D cells, vec3 d) {
+Corners corners_of(usampler2D mesh, vec3 d) {
     vec2 at = clamp((d.xy / (1.0 + d.z) * 0.5 + 0.5) * float(START_SIDE), 0.0, float(START_SIDE - 1));
     int square = int(at.y) * START_SIDE + int(at.x);
-    uvec4 four = texelFetch(cells, ivec2((square >> 2) % LIST_COLS, (square >> 2) / LIST_COLS), 0);
+    uvec4 four = in_list(mesh, square >> 2);
     int cell = int(four[square & 3]);
     uvec4 a, b, c;
     vec3 s;
-    for (int walk = 0; walk < 6; ++walk) {
+    for (int walk = 0; walk < 8; ++walk) {
         int first = START_SIDE * START_SIDE / 4 + 3 * cell;
-        a = texelFetch(cells, ivec2(first % LIST_COLS, first / LIST_COLS), 0);
-        b = texelFetch(cells, ivec2((first + 1) % LIST_COLS, (first + 1) / LIST_COLS), 0);
-        c = texelFetch(cells, ivec2((first + 2) % LIST_COLS, (first + 2) / LIST_COLS), 0);
+        a = in_list(mesh, first);
+        b = in_list(mesh, first + 1);
+        c = in_list(mesh, first + 2);
         s = vec3(dot(uintBitsToFloat(a.xyz), d), dot(uintBitsToFloat(b.xyz), d), dot(uintBitsToFloat(c.xyz), d));
         if (min(s.x, min(s.y, s.z)) >= -1e-5) break;
         cell = int((s.x <= min(s.y, s.z) ? a.w : s.y <= s.z ? b.w : c.w) >> 16);
@@ -131,6 +151,19 @@ vec3 field_at(Tiles t, int k, vec2 dx, vec2 dy) {
     return g * G;
 }
 
+#ifdef PATTERN
+// u(x) = B⁻¹ (x + D(x)): D is a Gaussian field as well, and blended with the others.
+vec2 phase_at(vec2 texel, Tiles t, vec2 dx, vec2 dy) {
+    vec2 shift = t.w.x * textureGrad(phase, t.at0, dx, dy).xy;
+#ifndef REPEAT
+    shift += t.w.y * textureGrad(phase, t.at1, dx, dy).xy;
+    shift += t.w.z * textureGrad(phase, t.at2, dx, dy).xy;
+#endif
+    vec2 x = texel.yx - 0.5;  // (row, column); pixels are whole numbers there
+    return vec2(dot(latticeInverse.xy, x), dot(latticeInverse.zw, x)) + shift;
+}
+#endif
+
 // ---------------------------------------------------------------- appearance
 
 // srgb_decode, and ½ of its second derivative.
@@ -141,102 +174,176 @@ vec3 half_curvature(vec3 code) {
     return step(0.04045, code) * (0.5 * 2.4 * 1.4 / (1.055 * 1.055)) * pow((max(code, 0.0) + 0.055) / 1.055, vec3(0.4));
 }
 
-#ifdef COLOURS
-// Finished textures, stored as √(v / 2).
-vec3 colour_at(vec2 st, int k, vec2 dx, vec2 dy) {
-    vec3 root = textureGrad(fields, vec3(st, float(k)), dx, dy).xyz;
-    return 2.0 * root * root;
-}
-#endif
+// What the fields, and a pattern's phase, are at the place that a pixel sees.
+struct Place {
+    Tiles tiles;
+    vec2 dx, dy;    // of the fields' coordinates
+    float level;
+    vec2 u;         // of the pattern's cell, and its derivatives
+    vec2 udx, udy;
+};
 
-// v = tone⁻¹(Tᵀ q(g) + mean): invert_spectral.
+// A curve of each plane at places x from 0 to 1, where a texture has them as nodes of its rows.
+vec3 curve_at(sampler2D curve, vec3 x, float row) {
+    x = (clamp(x, 0.0, 1.0) * (G_NODES - 1.0) + 0.5) / G_NODES;
+    return vec3(texture(curve, vec2(x.x, row)).x, texture(curve, vec2(x.y, row)).y, texture(curve, vec2(x.z, row)).z);
+}
+
+// v = tone⁻¹(Tᵀ X + mean), X = q(g), or c(m(u) + s(u) q(g)) of a pattern: invert_spectral,
+// apply_periodic_layer.
 //
 // At mip level m a field is an average over a pixel. The curves of that level are already
-// E[q(g + hidden part)]; the tone's curve is taken to second order in the variance s² that the
+// E[q(g + hidden part)]; the tone's curve is taken to second order in the variance that the
 // level hides, E[f(x)] ≈ f(x) + ½ f''(x) s². So a distant texture keeps its mean colour.
-vec3 invert_spectral(vec3 g, int k, float level) {
-    vec3 x = (g / G * (G_NODES - 1.0) + G_NODES) * 0.5 / G_NODES;
-    float row = (float(k * LEVELS) + clamp(level, 0.0, float(LEVELS - 1)) + 0.5) / float(SUBSPACES * LEVELS);
-    vec3 q = vec3(texture(curves, vec2(x.x, row)).x, texture(curves, vec2(x.y, row)).y,
-                  texture(curves, vec2(x.z, row)).z);
-    vec4 mean = texelFetch(planes, ivec2(k, 3), 0);
-    vec3 v = mean.xyz + q.x * texelFetch(planes, ivec2(k, 0), 0).xyz +
-             q.y * texelFetch(planes, ivec2(k, 1), 0).xyz + q.z * texelFetch(planes, ivec2(k, 2), 0).xyz;
-    v = max(v, 0.0);
-    if (mean.w == 0.0) return v;
-    int m = int(clamp(level + 0.5, 0.0, float(LEVELS - 1)));
-    return decode(v) + half_curvature(v) * texelFetch(planes, ivec2(k, 4 + m), 0).xyz;
+vec3 texture_at(Place place, int k, vec4 hides) {
+    int row = k * SUBSPACE_ROWS;
+    float level = clamp(place.level, 0.0, float(LEVELS - 1));
+    float curve_row = (float(k * LEVELS) + level + 0.5) / float(SUBSPACES * LEVELS);
+    vec3 q = curve_at(curves, field_at(place.tiles, k, place.dx, place.dy) * (0.5 / G) + 0.5, curve_row);
+#ifdef PATTERN
+    vec2 at = place.u.yx + CELL_HALF_TEXEL;
+    vec3 m = textureGrad(cells, vec3(at, float(2 * k)), place.udx.yx, place.udy.yx).xyz;
+    vec3 s = textureGrad(cells, vec3(at, float(2 * k + 1)), place.udx.yx, place.udy.yx).xyz;
+    q = curve_at(toneCurves, (m + s * q - subspaces[row + ROW_LOW].xyz) * subspaces[row + ROW_SCALE].xyz, curve_row);
+#endif
+    vec4 mean = subspaces[row + ROW_MEAN];
+    vec3 v = max(mean.xyz + q.x * subspaces[row].xyz + q.y * subspaces[row + 1].xyz + q.z * subspaces[row + 2].xyz, 0.0);
+    return mean.w == 0.0 ? v : decode(v) + half_curvature(v) * hides.xyz;
 }
 
 // ---------------------------------------------------------------- surface
 
-float height_at(vec2 texel, vec2 dx, vec2 dy) {
-    return relief * textureGrad(surface, texel / surfaceSize, dx / surfaceSize, dy / surfaceSize).z;
+float height_at(vec2 texel, float level) {
+    return relief * textureLod(surface, texel / surfaceSize, level).w;
 }
 
-// Where the ray towards the eye leaves the surface: a linear search and a secant step.
-// `texel` is where it meets the plane of height 0. [CAR2 §III: parallax by the range map]
-vec3 relief_hit(vec2 texel, vec3 view, vec2 dx, vec2 dy) {
+// How many steps a ray takes between the highest and the lowest height: one a texel of the level
+// that it passes over, so that flat and distant surfaces cost little.
+int steps_over(vec2 slope, float depth, float level, int most) {
+    return int(min(ceil(length(slope) * depth * exp2(-max(level, 0.0))), float(most)));
+}
+
+// Where the ray towards the eye leaves the surface: `displaced` of evaluate.hpp, by a linear
+// search and a secant step. `texel` is where it meets the plane of height 0.
+vec3 relief_hit(vec2 texel, vec3 view, float level) {
+    vec2 slope = vec2(view.x, -view.y) / max(view.z, 0.1);
     float top = relief * heightRange.y;
-    float bottom = relief * heightRange.x;
-    vec2 slope = vec2(view.x, -view.y) / max(view.z, 0.15);
-    float step_size = (top - bottom) / float(RELIEF_STEPS);
+    float depth = top - relief * heightRange.x;
+    int steps = steps_over(slope, depth, level, RELIEF_STEPS);
     float z = top;
-    float above = z - height_at(texel + slope * z, dx, dy);
-    for (int i = 0; i < RELIEF_STEPS && above > 0.0; ++i) {
-        float next = z - step_size;
-        float below = next - height_at(texel + slope * next, dx, dy);
+    float step_size = depth / float(max(steps, 1));
+    float above = 0.0;
+    for (int i = 0; i <= steps; ++i) {
+        float next = top - step_size * float(i);
+        float below = next - height_at(texel + slope * next, level);
         if (below <= 0.0) {
-            z = mix(z, next, above / max(above - below, 1e-6));
+            z = i == 0 ? next : next + step_size * (-below / max(above - below, 1e-6));
             break;
         }
-        z = next;
         above = below;
+        z = next;
     }
     return vec3(texel + slope * z, z);
 }
 
-// 1 in light, 0 where the surface hides the light, soft by how far.
-float self_shadow(vec3 hit, vec3 light, vec2 dx, vec2 dy) {
-    float rise = relief * heightRange.y - hit.z;
+// 1 in light, 0 where the surface hides the light: is_shadowed, with a soft edge.
+float self_shadow(vec3 hit, vec3 light, float level) {
     vec2 slope = vec2(light.x, -light.y) / max(light.z, 0.1);
-    float hidden = 0.0;
-    for (int i = 1; i <= SHADOW_STEPS; ++i) {
-        float z = hit.z + rise * (float(i) / float(SHADOW_STEPS));
-        float over = height_at(hit.xy + slope * (z - hit.z), dx, dy) - z;
-        hidden = max(hidden, over / (0.08 * rise + 0.05) * (1.0 - float(i - 1) / float(SHADOW_STEPS)));
+    float depth = relief * (heightRange.y - heightRange.x);
+    float start = hit.z + 0.01 * depth;
+    float rise = relief * heightRange.y - start;
+    int steps = steps_over(slope, rise, level, SHADOW_STEPS);
+    float over = -depth;
+    for (int i = 1; i <= steps; ++i) {
+        float up = rise * float(i) / float(steps);
+        over = max(over, height_at(hit.xy + slope * up, level) - start - up);
     }
-    return 1.0 - clamp(hidden, 0.0, 1.0);
+    return 1.0 - clamp(over / (0.03 * depth + 1e-4), 0.0, 1.0);
 }
 
-// ---------------------------------------------------------------- shading
+// Mean over a pixel of max(0, N·l): N is the mean of the pixel's normals, whose length tells how
+// much they vary; for a Gaussian N·l of mean μ and variance v it is near ½(μ + √(μ² + 2v/π)).
+float lit(vec3 N, vec3 light, float level) {
+    float mean = dot(N, light);
+    float spread = level > 0.0 ? max(0.0, 1.0 - dot(N, N)) * (1.0 - 0.5 * light.z * light.z) * 0.5 : 0.0;
+    return 0.5 * (mean + sqrt(mean * mean + spread * 0.63661977));
+}
 
-// Sums the weights of all nine pairs of one light onto their subspaces.
-void add_light(Corners view, vec3 light, vec3 irradiance, inout vec3 weight[SUBSPACES]) {
+vec2 shading_moments(vec3 light) {
+    vec2 at = (light.xy / (1.0 + max(light.z, 0.0)) * 0.5 + 0.5) * float(MOMENT_SIDE - 1) + 0.5;
+    return texture(moments, at / float(MOMENT_SIDE)).xy;
+}
+
+// ---------------------------------------------------------------- interpolation
+
+// One light: what DirectionalInterpolation::at finds for it, and the blend of textures.
+struct Light {
+    vec3 irradiance;
+    float s;             // shading of the place, of mean 1
+    float s_contrast;    // its variance over the square of its mean
+    float height;        // cos θ
+    float fade;
+    vec4 e;              // encoded mean colour and contrast
+    vec3 x, mean;        // Σ w v, Σ w mean
+    vec4 F, h;           // Σ w F, Σ w Y h
+    float own;           // Σ w Y ln(1 + κ²)
+    float kept;          // share of the texture's variance at this level
+};
+
+const int LIGHTS = NUM_DIR_LIGHTS + 1;
+
+// 1. The 3 x 3 products: weights of subspaces, e, and the fade of the light.
+void interpolate(Corners view, inout Light light, vec3 direction, int at, inout float weight[LIGHTS * SUBSPACES], inout uint seen) {
 #ifdef MEASURED
-    Corners l = corners_of(lightCells, light);
-    for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) {
-            float w = view.w[i] * l.w[j];
-            if (w < 1e-3) continue;
-            int pair = l.number[j] * VIEWS + view.number[i];
-            vec4 a_k = texelFetch(pairs, ivec2(pair % LIST_COLS, pair / LIST_COLS), 0);
-            weight[int(a_k.w)] += w * a_k.xyz * irradiance;
+    Corners l = corners_of(lightCells, direction);
+    vec2 heights = vec2(0.0);
+    for (int i = 0; i < 3; ++i) {
+        uvec4 z = in_list(lightCells, LIGHT_HEIGHTS + l.number[i]);
+        heights += l.w[i] * uintBitsToFloat(z.xy);
+        for (int j = 0; j < 3; ++j) {
+            float w = l.w[i] * view.w[j];
+            uvec4 pair = in_list(pairs, l.number[i] * VIEWS + view.number[j]);
+            uint k = pair.w & 0xFFu;
+            weight[at * SUBSPACES + int(k)] += w;
+            light.e += w * vec4(uintBitsToFloat(pair.xyz), unpackHalf2x16(pair.w >> 16).x);
+            if (w > 0.0) seen |= 1u << k;
         }
+    }
+#ifdef COSINE_INCLUDED
+#ifdef REFLECTANCE
+    float interpolated = heights.y * heights.y * heights.y;
 #else
-    weight[0] += irradiance;
+    float interpolated = heights.x;
+#endif
+    light.fade = min(4.0, light.height / max(interpolated, 1e-3));
+#endif
+#else
+    weight[at * SUBSPACES] = 1.0;
+    seen = 1u;
 #endif
 }
 
-// The light that a texture's value does not hold already: the cosine where the measurement
-// excludes it, and what lies below the lowest measured light.
-float cosine_factor(vec3 light) {
-#ifdef COSINE_INCLUDED
-    return min(1.0, light.z / LOWEST_LIGHT);
+// 3. Mean colour and contrast of these directions in place of the blend's own:
+//    max(0, offset + gain (x s)^power).
+vec3 value_of(Light light) {
+    vec3 x = light.x * light.s;
+#ifdef REFLECTANCE
+    vec3 e = max(light.e.xyz, 0.0);
+    vec3 target = light.fade * e * e * e;
+    float Y = max(dot(LUMINANCE, light.mean), 1e-6);
+    float variance = dot(light.F, light.F) / (Y * Y);
+    float C = log((1.0 + variance) * (1.0 + light.s_contrast));
+    float wanted = max(0.0, light.e.w);
+    float total = sqrt(max(exp(C) - 1.0, 0.0));
+    float amplify = total > 1e-4 ? min(3.0, wanted / total) : 1.0;
+    vec3 mean = max(light.mean, 1e-6);
+    return max(vec3(0.0), target * (1.0 + amplify * (x / mean - 1.0)));
 #else
-    return light.z;
+    return light.fade * x;
 #endif
 }
+
+// ---------------------------------------------------------------- a pixel
 
 mat3 tangent_frame(vec3 N) {
     vec3 q0 = dFdx(vViewPosition);
@@ -249,6 +356,19 @@ mat3 tangent_frame(vec3 N) {
     return mat3(T, cross(N, T), N);
 }
 
+Light light_from(vec3 irradiance, vec3 direction) {
+    Light light;
+    light.irradiance = direction.z > 0.0 ? irradiance : vec3(0.0);
+    light.height = max(direction.z, 0.0);
+    light.fade = light.height;
+    light.s = 1.0;
+    light.s_contrast = 0.0;
+    light.e = light.F = light.h = vec4(0.0);
+    light.x = light.mean = vec3(0.0);
+    light.own = light.kept = 0.0;
+    return light;
+}
+
 vec3 sateen_radiance() {
     vec3 N = normalize(vNormal);
 #ifdef DOUBLE_SIDED
@@ -256,24 +376,28 @@ vec3 sateen_radiance() {
 #endif
     mat3 frame = tangent_frame(N);
     vec3 view = normalize(vViewPosition) * frame;
-    view = normalize(vec3(view.xy, max(view.z, 0.02)));
+    view = normalize(vec3(view.xy, max(view.z, 0.001)));
 
     // Rows of textures run downwards.
     vec2 texel = vec2(vUv.x, -vUv.y) * texelsPerUv;
+    Place place;
     vec2 dx = dFdx(texel);
     vec2 dy = dFdy(texel);
-    // As anisotropic filtering chooses it: by the shorter axis, up to 8 to 1.
+    // As anisotropic filtering chooses it: by the shorter axis, up to ANISOTROPY to 1.
     vec2 axes = vec2(dot(dx, dx), dot(dy, dy));
-    float level = 0.5 * log2(max(max(min(axes.x, axes.y), max(axes.x, axes.y) / (ANISOTROPY * ANISOTROPY)), 1e-8));
+    place.level = 0.5 * log2(max(max(min(axes.x, axes.y), max(axes.x, axes.y) / (ANISOTROPY * ANISOTROPY)), 1e-8));
 
     vec3 normal = vec3(0.0, 0.0, 1.0);
     vec3 hit = vec3(texel, 0.0);
+    bool rough = false;
 #ifdef SURFACE
-    bool rough = relief > 0.0 && viewMode != VIEW_SMOOTH && viewMode != VIEW_INDEX;
+    rough = relief > 0.0 && viewMode != VIEW_SMOOTH && viewMode != VIEW_INDEX;
     if (rough) {
-        hit = relief_hit(texel, view, dx, dy);
-        vec2 slopes = relief * textureGrad(surface, hit.xy / surfaceSize, dx / surfaceSize, dy / surfaceSize).xy;
-        normal = normalize(vec3(-slopes, 1.0));
+        if (marched) hit = relief_hit(texel, view, place.level);
+        vec3 n = textureLod(surface, hit.xy / surfaceSize, place.level).xyz;
+        float size = dot(n, n);
+        normal = vec3(relief * n.xy, n.z);
+        normal *= sqrt(size / dot(normal, normal));
     }
 #endif
 
@@ -281,24 +405,30 @@ vec3 sateen_radiance() {
 #ifdef MEASURED
     view_corners = corners_of(viewCells, view);
 #endif
-    vec3 weight[SUBSPACES];
-    for (int k = 0; k < SUBSPACES; ++k) weight[k] = vec3(0.0);
+    float weight[LIGHTS * SUBSPACES];
+    for (int i = 0; i < LIGHTS * SUBSPACES; ++i) weight[i] = 0.0;
+    uint seen = 0u;
+    Light lights[LIGHTS];
     vec3 clay = vec3(0.0);
 
 #if NUM_DIR_LIGHTS > 0
     for (int i = 0; i < NUM_DIR_LIGHTS; ++i) {
-        vec3 light = directionalLights[i].direction * frame;
-        if (light.z <= 0.0) continue;
-        vec3 irradiance = directionalLights[i].color;
-        float shade = 1.0;
+        vec3 direction = directionalLights[i].direction * frame;
+        lights[i] = light_from(directionalLights[i].color, direction);
 #ifdef SURFACE
         if (rough) {
-            shade = clamp(dot(normal, light) / max(light.z, 0.2), 0.0, 2.0);
-            shade *= self_shadow(hit, light, dx, dy);
+            float shadow = marched ? self_shadow(hit, direction, place.level) : 1.0;
+            float shade = lit(normal, direction, place.level);
+            clay += lights[i].irradiance * shade * shadow;
+#ifdef DELIT
+            vec2 mean = shading_moments(direction);
+            lights[i].s = shade / max(mean.x, 1e-4);
+            lights[i].s_contrast = max(0.0, mean.y / max(mean.x * mean.x, 1e-8) - 1.0);
+#endif
+            lights[i].s *= shadow;
         }
 #endif
-        clay += irradiance * shade * light.z;
-        add_light(view_corners, light, irradiance * shade * cosine_factor(light), weight);
+        interpolate(view_corners, lights[i], direction, i, weight, seen);
     }
 #endif
     // Light from everywhere is taken to come from the normal, which is exact for a matt surface.
@@ -308,33 +438,47 @@ vec3 sateen_radiance() {
     for (int i = 0; i < NUM_HEMI_LIGHTS; ++i)
         ambient += getHemisphereLightIrradiance(hemisphereLights[i], bent);
 #endif
-    if (dot(ambient, ambient) > 0.0) add_light(view_corners, normal, ambient, weight);
+    lights[NUM_DIR_LIGHTS] = light_from(ambient, vec3(0.0, 0.0, 1.0));
+    if (ambient != vec3(0.0))
+        interpolate(view_corners, lights[NUM_DIR_LIGHTS], vec3(0.0, 0.0, 1.0), NUM_DIR_LIGHTS, weight, seen);
     clay += ambient;
 
     const float RECIPROCAL_PI_ = 0.3183098861837907;
     if (viewMode == VIEW_RELIEF) return exposure * clay * 0.5 * RECIPROCAL_PI_;
-
-    vec2 st = hit.xy / fieldSize;
-    Tiles tiles = tiles_at(st);
-    dx /= fieldSize;
-    dy /= fieldSize;
-    vec3 radiance = vec3(0.0);
-    for (int k = 0; k < SUBSPACES; ++k) {
-        if (dot(weight[k], vec3(1.0)) < 1e-4) continue;
-        vec3 v = palette[k];
-        if (viewMode != VIEW_INDEX) {
-#ifdef COLOURS
-            v = colour_at(st, k, dx, dy);
-#else
-            v = invert_spectral(field_at(tiles, k, dx, dy), k, level);
-#endif
-        }
-        radiance += weight[k] * v;
-    }
     if (viewMode == VIEW_INDEX) {
         vec3 sum = vec3(0.0);
-        for (int k = 0; k < SUBSPACES; ++k) sum += weight[k];
-        return radiance / max(sum, 1e-4);
+        for (int k = 0; k < SUBSPACES; ++k) sum += weight[k] * palette[k];
+        return sum;
     }
+
+    vec2 st = hit.xy / fieldSize;
+    place.tiles = tiles_at(st);
+    place.dx = dx / fieldSize;
+    place.dy = dy / fieldSize;
+#ifdef PATTERN
+    place.u = phase_at(hit.xy, place.tiles, place.dx, place.dy);
+    place.udx = vec2(dot(latticeInverse.xy, dx.yx), dot(latticeInverse.zw, dx.yx));
+    place.udy = vec2(dot(latticeInverse.xy, dy.yx), dot(latticeInverse.zw, dy.yx));
+#endif
+    float level_row = (clamp(place.level, 0.0, float(LEVELS - 1)) + 0.5) / float(LEVELS);
+    for (uint rest = seen; rest != 0u; rest &= rest - 1u) {
+        // The lowest bit: the exponent of its value as a float.
+        int k = int(floatBitsToUint(float(rest & (~rest + 1u))) >> 23) - 127;
+        vec4 hides = texture(hidden, vec2((float(k) + 0.5) / float(SUBSPACES), level_row));
+        vec3 v = texture_at(place, k, hides);
+        vec4 mean = subspaces[k * SUBSPACE_ROWS + ROW_TEXTURE];
+        float Y = dot(LUMINANCE, mean.xyz);
+        for (int i = 0; i < LIGHTS; ++i) {
+            float w = weight[i * SUBSPACES + k];
+            lights[i].x += w * v;
+            lights[i].mean += w * mean.xyz;
+            lights[i].F += w * subspaces[k * SUBSPACE_ROWS + ROW_COVARIANCE];
+            lights[i].h += w * Y * subspaces[k * SUBSPACE_ROWS + ROW_ROOT];
+            lights[i].own += w * Y * mean.w;
+            lights[i].kept += w * hides.w;
+        }
+    }
+    vec3 radiance = vec3(0.0);
+    for (int i = 0; i < LIGHTS; ++i) radiance += lights[i].irradiance * value_of(lights[i]);
     return exposure * tint * radiance * RECIPROCAL_PI_;
 }

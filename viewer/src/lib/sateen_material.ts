@@ -3,15 +3,22 @@
 // ambient and hemisphere lights.
 import {
   Color, DataTexture, ShaderMaterial, type ShaderMaterialParameters, type Texture, UniformsLib,
-  UniformsUtils, Vector2, Vector3,
+  UniformsUtils, Vector2, Vector3, Vector4,
 } from 'three';
 
 import type { Material } from './material';
+import { fieldVariance, patternTextures, type PatternTextures, phaseTexture } from './pattern';
+import { MOMENT_SIDE, ReliefTextures } from './relief';
 import { type MaterialData, START_SIDE } from './runtime';
 import evaluation from './sateen.glsl?raw';
 import {
-  curveTexture, directionTextures, FieldTexture, LEVELS, LIST_COLS, planeTexture, surfaceTexture,
+  ANISOTROPY, curveTexture, directionTextures, FieldTexture, hiddenTexture, LEVELS, LIST_COLS, SUBSPACE_ROWS,
+  subspaceRows, toneCurveTexture,
 } from './textures';
+
+/** Side of the drawn tile, and about that of a torus of the range map, in texels. */
+const TILE = 256;
+const SURFACE_SIDE = 1024;
 
 /** What of a material is shown. */
 export type ViewMode = 'combined' | 'smooth' | 'relief' | 'index';
@@ -23,7 +30,7 @@ export interface SateenMaterialOptions {
   /** Side of the drawn tile in texels. */
   tile?: number;
   seed?: bigint;
-  /** Show the one tile over and over, instead of blending shifted ones. */
+  /** Show the one tile over and over, as `sateen render` does, instead of blending shifted ones. */
   repeat?: boolean;
   onProgress?: (share: number) => void;
   signal?: AbortSignal;
@@ -51,19 +58,33 @@ void main() {
     #include <colorspace_fragment>
 }`;
 
-/** A torus of the range map with about 512 texels a side, and its lowest and highest height. */
-async function drawSurface(
-  source: Material, seed: bigint, signal?: AbortSignal,
-): Promise<{ texture: DataTexture; range: [number, number] }> {
-  const tile = source.description.surface;
-  if (!tile) return { texture: surfaceTexture(new Float32Array(1), 1, 1), range: [0, 0] };
-  // Whole tiles, so that nothing is strained.
-  const side = (length: number): number => length * Math.max(1, Math.round(512 / length));
-  const [rows, cols] = [side(tile.rows), side(tile.cols)];
-  const heights = await source.drawRange(rows, cols, seed, signal);
-  let range: [number, number] = [Infinity, -Infinity];
-  for (const z of heights) range = [Math.min(range[0], z), Math.max(range[1], z)];
-  return { texture: surfaceTexture(heights, rows, cols), range };
+/** A torus of the range map, of whole tiles unless it has to be as large as the fields' own. */
+async function drawRelief(source: Material, options: SateenMaterialOptions): Promise<ReliefTextures | undefined> {
+  const { surface } = source.description;
+  if (!surface) return undefined;
+  const { tile = TILE, seed = 0n, repeat = false, signal } = options;
+  const side = (length: number): number => length * Math.max(1, Math.round(SURFACE_SIDE / length));
+  const [rows, cols] = repeat ? [tile, tile] : [side(surface.rows), side(surface.cols)];
+  const relief = new ReliefTextures(await source.drawRange(rows, cols, seed, signal), rows, cols);
+  if (relief.range[1] > relief.range[0]) return relief;
+  relief.dispose();
+  return undefined;
+}
+
+interface DrawnPattern extends PatternTextures {
+  phase: Texture;
+  inverse: number[];
+}
+
+async function drawPattern(
+  source: Material, kept: Float32Array, options: SateenMaterialOptions,
+): Promise<DrawnPattern | undefined> {
+  if (!source.description.pattern) return undefined;
+  const { tile = TILE, seed = 0n, repeat = false, signal } = options;
+  const phase = await source.drawPhase(tile, tile, seed, signal);
+  const textures = patternTextures(source.description, await source.patterns(signal), kept);
+  const inverse = repeat ? phase.inverse : source.description.pattern.inverse;
+  return { ...textures, phase: phaseTexture(phase, tile, tile), inverse };
 }
 
 /** Colours that tell subspaces apart, by the golden angle. */
@@ -75,6 +96,7 @@ export function subspaceColours(count: number): Color[] {
 export class SateenMaterial extends ShaderMaterial {
   readonly isSateenMaterial = true;
   private readonly owned: Texture[] = [];
+  private reliefTextures: ReliefTextures | undefined;
 
   private constructor(readonly description: MaterialData, parameters: ShaderMaterialParameters) {
     super(parameters);
@@ -82,51 +104,74 @@ export class SateenMaterial extends ShaderMaterial {
 
   /** Draws the fields of every subspace in the background, then makes the material. */
   static async create(source: Material, options: SateenMaterialOptions = {}): Promise<SateenMaterial> {
-    const { tile = 256, seed = 0n, texelsPerUv = [1024, 1024], repeat = false } = options;
+    const { tile = TILE, seed = 0n, texelsPerUv = [1024, 1024], repeat = false, onProgress, signal } = options;
     const { description } = source;
     const subspaces = description.subspaces.length;
     const fields = new FieldTexture(tile, description.bands, subspaces);
-    const { onProgress, signal } = options;
-    // What is more than fields is shown as it is drawn, one tile over and over.
-    const fieldsOnly = !description.structured;
     await source.draw({
-      rows: tile, cols: tile, seed, fieldsOnly, onProgress, signal,
-      onTexture: (k, texture) => (fieldsOnly
-        ? fields.set(k, texture, description.subspaces[k]!)
-        : fields.setColour(k, texture)),
+      rows: tile, cols: tile, seed, fieldsOnly: true, onProgress, signal,
+      onTexture: (k, texture) => fields.set(k, texture),
     });
-    const surface = await drawSurface(source, seed, signal);
-
+    const pattern = await drawPattern(source, fields.variance, options);
+    const relief = await drawRelief(source, options);
     const measured = description.views.length > 0;
-    const directions = directionTextures(description, fields.mean);
-    const curves = curveTexture(description.subspaces, fields.variance);
-    const planes = planeTexture(description.subspaces, fields.variance);
+    const reflectance = measured && description.appearance !== null;
+    const moments = reflectance ? await source.moments(tile, tile, seed, signal) : undefined;
+
+    const directions = directionTextures(description);
+    const variance = pattern?.variance ?? fieldVariance(description, fields.variance);
+    const unused = new DataTexture(new Uint8Array(4), 1, 1);
+    const textures: Record<string, Texture> = {
+      fields: fields.texture,
+      curves: curveTexture(description.subspaces, fields.variance),
+      hidden: hiddenTexture(description.subspaces, variance.hidden, variance.all),
+      viewCells: directions.viewCells,
+      lightCells: directions.lightCells,
+      pairs: directions.pairs,
+      surface: relief?.surface ?? unused,
+      moments: relief?.moments ?? unused,
+      ...(pattern && {
+        cells: pattern.cells,
+        phase: pattern.phase,
+        toneCurves: toneCurveTexture(description.subspaces, pattern.ranges, variance.hidden),
+      }),
+    };
+    const flag = (name: string, on: unknown): Record<string, number> => (on ? { [name]: 1 } : {});
+    const cell = description.pattern ?? { rows: 1, cols: 1 };
     const material = new SateenMaterial(description, {
       lights: true,
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
       defines: {
         SUBSPACES: subspaces,
+        SUBSPACE_ROWS,
         LEVELS,
         LIST_COLS,
         START_SIDE,
+        MOMENT_SIDE,
         VIEWS: description.views.length,
-        ANISOTROPY: '8.0',
-        LOWEST_LIGHT: directions.lowestLight.toFixed(6),
-        RELIEF_STEPS: 24,
-        SHADOW_STEPS: 12,
-        ...(measured && { MEASURED: 1 }),
-        ...(measured && description.cosineIncluded && { COSINE_INCLUDED: 1 }),
-        ...((repeat || !fieldsOnly) && { REPEAT: 1 }),
-        ...(!fieldsOnly && { COLOURS: 1 }),
-        ...(surface.range[1] > surface.range[0] && { SURFACE: 1 }),
+        LIGHT_HEIGHTS: directions.lightHeights,
+        CELL_HALF_TEXEL: `vec2(${0.5 / cell.cols}, ${0.5 / cell.rows})`,
+        ANISOTROPY: `${ANISOTROPY}.0`,
+        RELIEF_STEPS: 32,
+        SHADOW_STEPS: 16,
+        ...flag('MEASURED', measured),
+        ...flag('REFLECTANCE', reflectance),
+        ...flag('COSINE_INCLUDED', measured && description.cosineIncluded),
+        ...flag('REPEAT', repeat),
+        ...flag('PATTERN', pattern),
+        ...flag('SURFACE', relief),
+        ...flag('DELIT', relief && description.surface!.delit),
       },
       uniforms: UniformsUtils.merge([UniformsLib.lights, {
         texelsPerUv: { value: new Vector2(...texelsPerUv) },
         fieldSize: { value: new Vector2(tile, tile) },
-        surfaceSize: { value: new Vector2(surface.texture.image.width, surface.texture.image.height) },
-        heightRange: { value: new Vector2(...surface.range) },
+        surfaceSize: { value: new Vector2(relief?.cols ?? 1, relief?.rows ?? 1) },
+        heightRange: { value: new Vector2(...(relief?.range ?? [0, 0])) },
+        latticeInverse: { value: new Vector4(...(pattern?.inverse ?? [1, 0, 0, 1])) },
+        subspaces: { value: subspaceRows(description.subspaces, moments, pattern?.ranges) },
         relief: { value: 1 },
+        marched: { value: true },
         tint: { value: new Color(1, 1, 1) },
         exposure: { value: 1 },
         viewMode: { value: 0 },
@@ -134,17 +179,9 @@ export class SateenMaterial extends ShaderMaterial {
       }]),
     });
     // Not merged: that would copy the textures.
-    Object.assign(material.uniforms, {
-      fields: { value: fields.texture },
-      curves: { value: curves },
-      planes: { value: planes },
-      viewCells: { value: directions.viewCells },
-      lightCells: { value: directions.lightCells },
-      pairs: { value: directions.pairs },
-      surface: { value: surface.texture },
-    });
-    material.owned.push(fields.texture, curves, planes, directions.viewCells, directions.lightCells,
-      directions.pairs, surface.texture);
+    for (const [name, value] of Object.entries(textures)) material.uniforms[name] = { value };
+    material.owned.push(...Object.values(textures));
+    material.reliefTextures = relief;
     return material;
   }
 
@@ -159,7 +196,13 @@ export class SateenMaterial extends ShaderMaterial {
   }
   /** Scale of the heights; 1 is as measured. */
   set relief(value: number) {
+    if (this.uniforms.relief!.value === value) return;
     this.uniforms.relief!.value = value;
+    if ('DELIT' in this.defines!) this.reliefTextures!.tabulate(value);
+  }
+  /** Whether the relief moves the texture and casts shadows, or only shades it. */
+  set marched(value: boolean) {
+    this.uniforms.marched!.value = value;
   }
   set viewMode(mode: ViewMode) {
     this.uniforms.viewMode!.value = VIEW_MODES.indexOf(mode);

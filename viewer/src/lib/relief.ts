@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// The range map as textures for sateen.glsl: synthesis/evaluate_relief.cpp.
+import {
+  DataTexture, DataUtils, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat,
+} from 'three';
+
+/** Nodes along the map of lights, (x, y) / (1 + z) from -1 to 1: Evaluator::kMomentSide. */
+export const MOMENT_SIDE = 33;
+/** A few thousand normals tell the moments to a percent. */
+const NORMALS = 4096;
+
+/** A toroidal range map with its normals. */
+export class ReliefTextures {
+  /** N and height, (rows, cols). */
+  readonly surface: DataTexture;
+  /** Mean and mean square over the surface of max(0, N·l). */
+  readonly moments: DataTexture;
+  readonly range: [number, number] = [Infinity, -Infinity];
+  private readonly normals: Float32Array;
+
+  constructor(heights: Float32Array, readonly rows: number, readonly cols: number) {
+    const data = new Uint16Array(4 * rows * cols);
+    const half = DataUtils.toHalfFloat;
+    const every = Math.max(1, Math.floor((rows * cols) / NORMALS));
+    const sampled: number[] = [];
+    for (let r = 0; r < rows; ++r) {
+      const [up, down] = [((r + rows - 1) % rows) * cols, ((r + 1) % rows) * cols];
+      for (let c = 0; c < cols; ++c) {
+        const i = r * cols + c;
+        const z = heights[i]!;
+        // y points up, against the rows.
+        const p = (heights[r * cols + ((c + 1) % cols)]! - heights[r * cols + ((c + cols - 1) % cols)]!) / 2;
+        const q = (heights[up + c]! - heights[down + c]!) / 2;
+        const unit = 1 / Math.sqrt(1 + p * p + q * q);
+        data[4 * i] = half(-p * unit);
+        data[4 * i + 1] = half(-q * unit);
+        data[4 * i + 2] = half(unit);
+        data[4 * i + 3] = half(z);
+        if (i % every === 0) sampled.push(-p * unit, -q * unit, unit);
+        if (z < this.range[0]) this.range[0] = z;
+        if (z > this.range[1]) this.range[1] = z;
+      }
+    }
+    this.normals = Float32Array.from(sampled);
+    this.surface = new DataTexture(data, cols, rows, RGBAFormat, HalfFloatType);
+    this.surface.wrapS = this.surface.wrapT = RepeatWrapping;
+    this.surface.magFilter = LinearFilter;
+    this.surface.minFilter = LinearMipmapLinearFilter;
+    this.surface.generateMipmaps = true;
+    this.surface.needsUpdate = true;
+    this.moments = new DataTexture(
+      new Uint16Array(4 * MOMENT_SIDE * MOMENT_SIDE), MOMENT_SIDE, MOMENT_SIDE, RGBAFormat, HalfFloatType);
+    this.moments.magFilter = this.moments.minFilter = LinearFilter;
+    this.tabulate(1);
+  }
+
+  /** Evaluator::tabulate_shading for heights times `scale`. */
+  tabulate(scale: number): void {
+    const texels = this.moments.image.data as unknown as Uint16Array;
+    const n = this.normals.slice();
+    for (let i = 0; i < n.length; i += 3) {
+      const length = Math.hypot(scale * n[i]!, scale * n[i + 1]!, n[i + 2]!);
+      n.set([(scale * n[i]!) / length, (scale * n[i + 1]!) / length, n[i + 2]! / length], i);
+    }
+    const middle = (MOMENT_SIDE - 1) / 2;
+    for (let row = 0; row < MOMENT_SIDE; ++row)
+      for (let col = 0; col < MOMENT_SIDE; ++col) {
+        let [x, y] = [col / middle - 1, row / middle - 1];
+        // Past the horizon, where the table is read only to interpolate: the horizon.
+        const out = Math.max(1, Math.hypot(x, y));
+        [x, y] = [x / out, y / out];
+        const s = x * x + y * y;
+        const [lx, ly, lz] = [(2 * x) / (1 + s), (2 * y) / (1 + s), (1 - s) / (1 + s)];
+        let [sum, squares] = [0, 0];
+        for (let i = 0; i < n.length; i += 3) {
+          const shading = Math.max(0, n[i]! * lx + n[i + 1]! * ly + n[i + 2]! * lz);
+          sum += shading;
+          squares += shading * shading;
+        }
+        const at = 4 * (row * MOMENT_SIDE + col);
+        texels[at] = DataUtils.toHalfFloat((3 * sum) / n.length);
+        texels[at + 1] = DataUtils.toHalfFloat((3 * squares) / n.length);
+      }
+    this.moments.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.surface.dispose();
+    this.moments.dispose();
+  }
+}
