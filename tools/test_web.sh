@@ -15,17 +15,11 @@ install_node
 tools/build_wasm.sh
 tools/build_viewer.sh
 
-# run_node NAME FILE ATTEMPTS: a browser drawing in software can miss a time limit on a busy
-# machine, so its tests may be tried again; what fails twice has failed.
+# run_node NAME
 run_node() {
-    local attempt
-    for ((attempt = 1; attempt <= $3; ++attempt)); do
-        say "testing $1"
-        if node --test "$2" > "$LOG_DIR/test-$1.log" 2>&1; then return; fi
-        grep -A 25 '^ *not ok' "$LOG_DIR/test-$1.log" >&2 || true
-        say "the tests of $1 failed in attempt $attempt of $3"
-    done
+    say "testing $1"
+    if node --test "viewer/tests/$1.test.mjs" > "$LOG_DIR/test-$1.log" 2>&1; then return; fi
+    grep -A 25 '^ *not ok' "$LOG_DIR/test-$1.log" >&2 || true
     die "the tests of $1 failed: see $LOG_DIR/test-$1.log"
 }
-run_node runtime viewer/tests/runtime.test.mjs 1
-run_node page viewer/tests/page.test.mjs 2
+for name in runtime evaluation page package; do run_node "$name"; done

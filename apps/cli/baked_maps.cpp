@@ -34,6 +34,14 @@ float mean_luminance(const Subspace& subspace) {
     return 0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2];
 }
 
+/// And of a pair of directions.
+float mean_luminance(const EncodedAppearance& e, std::size_t bands) {
+    std::array<float, 3> rgb{};
+    for (std::size_t b = 0; b < 3; ++b)
+        rgb[b] = std::pow(std::max(0.0F, e[std::min(b, bands - 1)]), 3.0F);
+    return 0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2];
+}
+
 /// The GGX lobe with Smith's height-correlated shadowing, times cos θ of the light and π, so that
 /// a white matt surface has cos θ [Walter et al. 2007; Heitz 2014].
 float ggx_lobe(Direction view, Direction light, float alpha) {
@@ -68,6 +76,60 @@ Result<void> bake_surface(const Material& material, const BakeOptions& options,
     return {};
 }
 
+/// Mean over the 5 x 5 torus neighbourhood of every site.
+void average(PlaneView<float> plane) {
+    constexpr std::size_t kReach = 2;
+    const std::size_t rows = plane.rows;
+    const std::size_t cols = plane.cols;
+    std::vector<float> across(rows * cols);
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t c = 0; c < cols; ++c)
+            for (std::size_t k = 0; k <= 2 * kReach; ++k)
+                across[r * cols + c] +=
+                    plane.row(r)[(c + k + kReach * (cols - 1)) % cols];
+    constexpr float kShare = 1.0F / ((2 * kReach + 1) * (2 * kReach + 1));
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t c = 0; c < cols; ++c) {
+            float sum = 0;
+            for (std::size_t k = 0; k <= 2 * kReach; ++k)
+                sum += across[((r + k + kReach * (rows - 1)) % rows) * cols + c];
+            plane.row(r)[c] = kShare * sum;
+        }
+}
+
+/// Roughness of every texel. A lobe of α over slopes of variance σ² along each axis looks like one
+/// of α² + 2σ² [Olano & Baker 2010, LEAN mapping]. The fitted lobe is that of the whole surface:
+/// its own slopes are taken off, and those around each texel come back.
+Image roughness_map(float fitted, const Image& normal) {
+    constexpr float kLeastAlpha = 0.04F;
+    const std::size_t pixels = normal.plane_size();
+    Image parts(3, normal.rows(), normal.cols());  // p, q, p² + q²
+    std::array<double, 3> sums{};
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const float z = std::max(0.05F, 2 * normal.plane(2).data[i] - 1);
+        const float p = (1 - 2 * normal.plane(0).data[i]) / z;
+        const float q = (1 - 2 * normal.plane(1).data[i]) / z;
+        const std::array<float, 3> values = {p, q, p * p + q * q};
+        for (std::size_t b = 0; b < 3; ++b) {
+            parts.plane(b).data[i] = values[b];
+            sums[b] += static_cast<double>(values[b]) / static_cast<double>(pixels);
+        }
+    }
+    // 2σ², the mean of both axes being half of it.
+    const auto all = static_cast<float>(sums[2] - sums[0] * sums[0] - sums[1] * sums[1]);
+    const float alpha = fitted * fitted;
+    const float own = std::max(kLeastAlpha * kLeastAlpha, alpha * alpha - all);
+    for (std::size_t b = 0; b < 3; ++b) average(parts.plane(b));
+    Image out(1, normal.rows(), normal.cols());
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const float p = parts.plane(0).data[i];
+        const float q = parts.plane(1).data[i];
+        const float around = std::max(0.0F, parts.plane(2).data[i] - p * p - q * q);
+        out.plane(0).data[i] = std::sqrt(std::sqrt(std::min(1.0F, own + around)));
+    }
+    return out;
+}
+
 Image in_three_bands(Image image) {
     if (image.bands() == 3) return image;
     Image out(3, image.rows(), image.cols());
@@ -85,11 +147,25 @@ float fitted_roughness(const Material& material) {
     };
     std::vector<Sample> samples;
     if (material.views.empty()) return 1;
-    for (const Subspace& subspace : material.subspaces) {
-        const Direction light = material.lights[subspace.light];
-        if (light.theta > 1.45F) continue;
-        samples.push_back(
-            {material.views[subspace.view], light, mean_luminance(subspace)});
+    const auto add = [&](std::size_t view, std::size_t light, float luminance) {
+        // Lights at the horizon tell little and weigh much.
+        if (material.lights[light].theta < 1.45F)
+            samples.push_back({material.views[view], material.lights[light], luminance});
+    };
+    if (material.reflectance) {
+        constexpr std::size_t kSamples = 512;
+        const std::size_t pairs = material.views.size() * material.lights.size();
+        const std::size_t step = 1 + pairs / kSamples;
+        for (std::size_t i = 0; i < pairs; i += step) {
+            const std::size_t view = i % material.views.size();
+            const std::size_t light = i / material.views.size();
+            add(view, light,
+                mean_luminance(encoded_appearance(*material.reflectance, view, light),
+                               material.bands));
+        }
+    } else {
+        for (const Subspace& subspace : material.subspaces)
+            add(subspace.view, subspace.light, mean_luminance(subspace));
     }
     if (samples.size() < 4) return 1;
     float best = 1;
@@ -136,7 +212,7 @@ Result<BakedMaps> bake_maps(const Material& material, const BakeOptions& options
     SATEEN_TRY(Image colour, draw_base_colour(material, synthesis, executor, progress));
     maps.base_colour = in_three_bands(std::move(colour));
     SATEEN_CHECK(bake_surface(material, options, maps));
-    maps.roughness = fitted_roughness(material);
+    maps.roughness = roughness_map(fitted_roughness(material), maps.normal);
     if (material.pixels_per_mm) {
         const float metres = 1e-3F / *material.pixels_per_mm;
         maps.width_m = static_cast<float>(options.cols) * metres;

@@ -27,8 +27,8 @@ struct BakedMaps {
     Image base_colour;  ///< (3, rows, cols): seen and lit from the normal, linear
     Image normal;       ///< (3, rows, cols): 0.5 + 0.5 n, y up
     std::optional<Image>
-        height_px;  ///< (1, rows, cols), where the material has a surface
-    float roughness = 1;
+        height_px;      ///< (1, rows, cols), where the material has a surface
+    Image roughness;    ///< (1, rows, cols): √α of GGX; see fitted_roughness()
     float width_m = 0;  ///< of the patch; 0 where the scale is not known
     float height_m = 0;
 };
@@ -38,8 +38,10 @@ struct BakedMaps {
                                           Progress& progress);
 
 /// α = roughness² of the GGX lobe over a matt ground, F0 = 0.04, that fits the mean
-/// reflectance of the subspaces at their directions best, in steps of 0.05.
-/// \returns 1 for photographs, and where fewer than 4 subspaces tell of it
+/// reflectance of up to 512 pairs of directions best (of the subspaces where no more is stored),
+/// in steps of 0.05 of the roughness. The map takes the slopes of the range map off it and
+/// adds those around each texel (LEAN mapping, α² + 2σ²).
+/// \returns 1 for photographs, and where fewer than 4 pairs tell of it
 [[nodiscard]] float fitted_roughness(const Material& material);
 
 /// A binary glTF 2.0 of one quad with the maps, images as PNG inside.

@@ -74,11 +74,9 @@ Result<std::vector<std::string>> write_folder(const ExportArguments& arguments,
     };
     WriteOptions linear;
     linear.encoding = Encoding::linear;
-    Image roughness(1, maps.base_colour.rows(), maps.base_colour.cols());
-    std::fill_n(roughness.plane(0).data, roughness.plane(0).size(), maps.roughness);
     SATEEN_CHECK(write("base_colour.png", maps.base_colour, {}));
     SATEEN_CHECK(write("normal.png", maps.normal, linear));
-    SATEEN_CHECK(write("roughness.png", roughness, linear));
+    SATEEN_CHECK(write("roughness.png", maps.roughness, linear));
     if (maps.height_px) SATEEN_CHECK(write("height_px.exr", *maps.height_px, linear));
     return written;
 }
@@ -148,7 +146,8 @@ Verb add_export(CLI::App& program) {
         });
     arguments->common.add_to(*verb);
     verb->footer(
-        "Maps are an approximation: colour as seen and lit from above, one roughness.\n"
+        "Maps are an approximation: colour as seen and lit from above, roughness of one "
+        "lobe.\n"
         "Examples:\n"
         "  sateen export corduroy.sateen -o corduroy.html\n"
         "  sateen export corduroy.sateen -o corduroy.glb --size 2048");

@@ -110,10 +110,11 @@ Result<Bytes> gltf_of(const BakedMaps& maps, const std::string& name) {
                          static_cast<float>(maps.base_colour.cols());
     const Json accessors =
         add_quad(buffer, scaled ? maps.width_m : 1.0F, scaled ? maps.height_m : aspect);
-    // Occlusion, roughness and metalness are the channels of one image; it is constant.
-    Image rough(3, 4, 4);
-    std::fill_n(rough.plane(0).data, 16, 1.0F);
-    std::fill_n(rough.plane(1).data, 16, maps.roughness);
+    // Occlusion, roughness and metalness are the channels of one image.
+    Image rough(3, maps.roughness.rows(), maps.roughness.cols());
+    const std::size_t pixels = rough.plane_size();
+    std::fill_n(rough.plane(0).data, pixels, 1.0F);
+    std::copy_n(maps.roughness.plane(0).data, pixels, rough.plane(1).data);
 
     Json images = Json::array();
     Json textures = Json::array();

@@ -129,7 +129,7 @@ Result<void> draw_phase_of(const Material& material, std::uint32_t rows,
     return {};
 }
 
-/// mean, then root, (subspaces, 4) each; then covariance, (subspaces, subspaces).
+/// mean, then shape, (subspaces, 4) each; then covariance, (subspaces, subspaces).
 Result<std::vector<float>> moments_of(const Material& material, std::uint32_t rows,
                                       std::uint32_t cols, std::uint64_t seed) {
     if (rows > kMaxMomentSide || cols > kMaxMomentSide)
@@ -159,6 +159,8 @@ Result<std::vector<float>> moments_of(const Material& material, std::uint32_t ro
         out.insert(out.end(), mean.begin(), mean.end());
         out.push_back(0);
     }
+    for (const std::array<float, 4>& shape : moments.shape)
+        out.insert(out.end(), shape.begin(), shape.end());
     out.insert(out.end(), moments.covariance.begin(), moments.covariance.end());
     return out;
 }
@@ -245,8 +247,8 @@ const float* sateen_pattern(Loaded* loaded, std::uint32_t subspace) {
     return loaded->table.data();
 }
 
-/// Moments of the tileable textures of all subspaces (synthesis/interpolate.hpp): mean,
-/// (subspaces, 4), and covariance, (subspaces, subspaces). Null after a failure.
+/// Moments of the tileable textures of all subspaces (synthesis/interpolate.hpp): mean
+/// and shape, (subspaces, 4) each, and covariance, (subspaces, subspaces). Null after a failure.
 SATEEN_EXPORT(sateen_moments)
 const float* sateen_moments(Loaded* loaded, std::uint32_t rows, std::uint32_t cols,
                             std::uint32_t seed_low, std::uint32_t seed_high) {

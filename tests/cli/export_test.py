@@ -31,6 +31,40 @@ def read_glb(data):
     return text, binary
 
 
+def validate(text, binary_length):
+    """What glTF 2.0 asks of a file and the Khronos validator would say, for the parts used here."""
+    said = []
+
+    def check(condition, what):
+        if not condition:
+            said.append(what)
+
+    check(text["buffers"] == [{"byteLength": binary_length}] or
+          0 <= binary_length - text["buffers"][0]["byteLength"] < 4, "buffer and chunk differ")
+    uses = {"bufferViews": "buffer", "accessors": "bufferView", "textures": "source", "nodes": "mesh"}
+    targets = {"buffer": "buffers", "bufferView": "bufferViews", "source": "images", "mesh": "meshes"}
+    for kind, key in uses.items():
+        for entry in text[kind]:
+            check(0 <= entry[key] < len(text[targets[key]]), f"{kind}: no {key} {entry[key]}")
+    for view in text["bufferViews"]:
+        check(view["byteOffset"] + view["byteLength"] <= text["buffers"][0]["byteLength"], "view past the buffer")
+    for accessor in text["accessors"]:
+        size = {5126: 4, 5123: 2}[accessor["componentType"]]
+        check(text["bufferViews"][accessor["bufferView"]]["byteOffset"] % size == 0, "misaligned accessor")
+    for image in text["images"]:
+        check(image["mimeType"] in ("image/png", "image/jpeg"), "mime type")
+        check("target" not in text["bufferViews"][image["bufferView"]], "an image in a vertex view")
+    for mesh in text["meshes"]:
+        for primitive in mesh["primitives"]:
+            counts = {text["accessors"][a]["count"] for a in primitive["attributes"].values()}
+            check(len(counts) == 1, "attributes of several lengths")
+            check("POSITION" in primitive["attributes"] and "TANGENT" in primitive["attributes"], "attributes")
+            check(text["accessors"][primitive["indices"]]["type"] == "SCALAR", "indices")
+            check(primitive["material"] < len(text["materials"]), "material")
+    check(all(set(s) <= {"nodes"} for s in text["scenes"]) and text["scene"] < len(text["scenes"]), "scene")
+    return said
+
+
 class Maps(CliTest):
     def setUp(self):
         super().setUp()
@@ -73,6 +107,7 @@ class Maps(CliTest):
             width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
             self.assertEqual(view["byteLength"], size * width * accessor["count"])
             self.assertLessEqual(view["byteOffset"] + view["byteLength"], len(binary))
+        self.assertEqual(validate(text, len(binary)), [])
         position = text["accessors"][0]
         corners = struct.unpack_from("<12f", binary, text["bufferViews"][0]["byteOffset"])
         self.assertEqual(position["max"], [max(corners[i::3]) for i in range(3)])

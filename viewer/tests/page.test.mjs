@@ -3,49 +3,27 @@
 // change what it shows.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync } from 'node:fs';
-import { createServer } from 'node:http';
 import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { chromium } from 'playwright-core';
 
+import { closeWatched, launch, PATIENCE, pixelsOf, serve, watchedPage } from './browser.mjs';
 import { measuredMaterial, photographMaterial, ROOT, sateen, scratch } from './support.mjs';
 
-const BROWSER = process.env.CHROMIUM ?? '/usr/bin/chromium';
-const PATIENCE = 300_000;
 const folder = scratch(after);
 let browser;
 let server;
-let origin;
-let context;
+let watched;
 let page;
-let complaints;
-let requests;
 
 before(async () => {
-  assert.ok(existsSync(BROWSER), `${BROWSER} is missing`);
   const files = {
-    '/': [join(ROOT, 'viewer/dist/viewer.html'), 'text/html'],
-    '/photo.sateen': [photographMaterial(folder), 'application/octet-stream'],
-    '/measured.sateen': [measuredMaterial(folder), 'application/octet-stream'],
+    '/': join(ROOT, 'viewer/dist/viewer.html'),
+    '/photo.sateen': photographMaterial(folder),
+    '/measured.sateen': measuredMaterial(folder),
   };
-  server = createServer((request, response) => {
-    const found = files[new URL(request.url, 'http://localhost').pathname];
-    if (!found) {
-      response.writeHead(404).end();
-      return;
-    }
-    response.setHeader('Content-Type', found[1]);
-    response.end(readFileSync(found[0]));
-  });
-  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
-  origin = `http://127.0.0.1:${server.address().port}`;
-  browser = await chromium.launch({
-    executablePath: BROWSER,
-    args: ['--headless', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-      '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader',
-      '--enable-unsafe-swiftshader'],
-  });
+  server = await serve((path) => files[path]);
+  browser = await launch();
 }, { timeout: PATIENCE });
 
 after(async () => {
@@ -56,44 +34,21 @@ after(async () => {
 const DESKTOP = { viewport: { width: 780, height: 240 } };
 
 async function newPage(options = DESKTOP) {
-  context = await browser.newContext({ acceptDownloads: true, ...options });
-  page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE);
-  complaints = [];
-  requests = [];
-  page.on('console', (m) => ['error', 'warning'].includes(m.type()) && complaints.push(m.text()));
-  page.on('pageerror', (error) => complaints.push(error.message));
-  page.on('request', (request) => requests.push(request.url()));
+  watched = await watchedPage(browser, options);
+  ({ page } = watched);
 }
 
 beforeEach(() => newPage());
-afterEach(async () => {
-  await context.close();
-  // SwiftShader says that reading pixels is slow.
-  assert.deepEqual(complaints.filter((text) => !/GPU stall|GL Driver Message/.test(text)), []);
-  for (const url of requests)
-    assert.ok(url.startsWith(origin) || /^(blob|data|file):/.test(url), `a request to ${url}`);
-});
+afterEach(() => closeWatched(watched, server.origin));
 
 async function open(query = '', ready = true) {
-  await page.goto(`${origin}/${query}`);
+  await page.goto(`${server.origin}/${query}`);
   await page.waitForFunction(() => document.body.dataset.started === 'true');
   if (ready) assert.equal(await page.evaluate(() => document.body.dataset.ready), 'true');
 }
 
 /** Pixels of the picture, 96 × 96 from its middle, after it has been drawn. */
-function pixels() {
-  return page.evaluate(() => new Promise((resolve) => {
-    requestAnimationFrame(() => requestAnimationFrame(() => {
-      const source = document.getElementById('canvas');
-      const side = 96;
-      const canvas = new OffscreenCanvas(side, side);
-      const draw = canvas.getContext('2d');
-      draw.drawImage(source, (source.width - side) / 2, (source.height - side) / 2, side, side, 0, 0, side, side);
-      resolve(Array.from(draw.getImageData(0, 0, side, side).data));
-    }));
-  }));
-}
+const pixels = async () => (await pixelsOf(page, 96)).data;
 
 const mean = (values) => values.reduce((s, x) => s + x, 0) / values.length;
 const colours = (data) => data.filter((_, i) => i % 4 !== 3);
@@ -200,7 +155,7 @@ test('takes dropped files, compares two, and says what is wrong with a bad one',
 });
 
 test('works at the size of a phone, in the dark', { timeout: PATIENCE }, async () => {
-  await context.close();
+  await watched.context.close();
   await newPage({ viewport: { width: 320, height: 560 }, hasTouch: true, isMobile: true, colorScheme: 'dark' });
   await open('?url=photo.sateen');
   assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'dark');

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tests share: the program, materials made by it, and PNG files read back.
 import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -80,22 +80,79 @@ export function photographMaterial(folder) {
   return path;
 }
 
+/**
+ * A measurement: pictures named in a directions.csv. @param value  (light, view, row, col,
+ * band), directions in degrees, to an 8-bit sample
+ */
+function writeMeasurement(folder, side, lights, views, value) {
+  mkdirSync(folder, { recursive: true });
+  const lines = [];
+  lights.forEach((light, l) => views.forEach((view, v) => {
+    const name = `l${l}v${v}.tif`;
+    writeTiff(join(folder, name), side, side, (r, c, b) => value(light, view, r, c, b));
+    lines.push([name, ...view, ...light].join());
+  }));
+  writeFileSync(join(folder, 'directions.csv'), `file,theta_v,phi_v,theta_i,phi_i\n${lines.join('\n')}\n`);
+}
+
+const radians = (degrees) => (degrees * Math.PI) / 180;
+const FIVE = [[0, 0], [60, 0], [60, 90], [60, 180], [60, 270]];
+
 /** A material of 5 views × 5 lights, brighter along the light and bluer towards grazing views. */
 export function measuredMaterial(folder) {
   const noise = smoothNoise(48, 48, 2);
-  const directions = [[0, 0], [60, 0], [60, 90], [60, 180], [60, 270]];
-  const lines = [];
-  directions.forEach(([tl, pl], l) => directions.forEach(([tv, pv], v) => {
-    const name = `l${l}v${v}.tif`;
-    const shade = Math.cos((tl * Math.PI) / 180) * (1 + 0.3 * Math.cos(((pl - pv) * Math.PI) / 180) * (tl > 0));
-    const blue = 1 + 0.5 * (tv > 0);
-    writeTiff(join(folder, name), 48, 48, (r, c, b) =>
-      (150 * [1, 0.7, 0.4 * blue][b] + 50 * noise(r, c)) * shade ** (1 / 2.2));
-    lines.push(`${name},${tv},${pv},${tl},${pl}`);
-  }));
-  writeFileSync(join(folder, 'directions.csv'), `file,theta_v,phi_v,theta_i,phi_i\n${lines.join('\n')}\n`);
+  writeMeasurement(folder, 48, FIVE, FIVE, ([tl, pl], [tv, pv], r, c, b) => {
+    const shade = Math.cos(radians(tl)) * (1 + 0.3 * Math.cos(radians(pl - pv)) * (tl > 0));
+    return (150 * [1, 0.7, 0.4 * (1 + 0.5 * (tv > 0))][b] + 50 * noise(r, c)) * shade ** (1 / 2.2);
+  });
   const path = join(folder, 'measured.sateen');
   sateen('model', folder, '-o', path, '--subspaces', 6);
+  return path;
+}
+
+/** A matt material with bumps, 5 views × 13 lights, from which a range map is estimated. */
+export function bumpyMaterial(folder) {
+  const side = 64;
+  const lights = [[0, 0], ...[25, 45, 60].flatMap((t) => [10, 100, 190, 280].map((p) => [t, p]))];
+  const grain = smoothNoise(side, side, 3);
+  const turn = (2 * Math.PI) / side;
+  writeMeasurement(join(folder, 'bumps'), side, lights, FIVE, ([tl, pl], _, r, c, b) => {
+    const [p, q] = [0.5 * Math.cos(4 * turn * c), 0.35 * Math.sin(3 * turn * r)];
+    const l = [Math.sin(radians(tl)) * Math.cos(radians(pl)), Math.sin(radians(tl)) * Math.sin(radians(pl)), Math.cos(radians(tl))];
+    const shading = Math.max(0, (-p * l[0] - q * l[1] + l[2]) / Math.hypot(p, q, 1));
+    return 255 * ([0.55, 0.4, 0.3][b] * (1 + 0.35 * grain(r, c)) * shading) ** (1 / 2.2);
+  });
+  const path = join(folder, 'bumpy.sateen');
+  sateen('model', join(folder, 'bumps'), '-o', path, '--subspaces', 5, '--surface', 'stereo');
+  return path;
+}
+
+/** A material of 9 views × 9 lights and 20 subspaces, with bumps. */
+export function manyMaterial(folder) {
+  const side = 64;
+  const ring = [[0, 0], ...[35, 65].flatMap((t) => [20, 110, 200, 290].map((p) => [t, p]))];
+  const grain = smoothNoise(side, side, 5);
+  const turn = (2 * Math.PI) / side;
+  writeMeasurement(join(folder, 'many'), side, ring, ring, ([tl, pl], [tv, pv], r, c, b) => {
+    const [p, q] = [0.5 * Math.cos(4 * turn * c), 0.35 * Math.sin(3 * turn * r)];
+    const l = [Math.sin(radians(tl)) * Math.cos(radians(pl)), Math.sin(radians(tl)) * Math.sin(radians(pl)), Math.cos(radians(tl))];
+    const shading = Math.max(0, (-p * l[0] - q * l[1] + l[2]) / Math.hypot(p, q, 1));
+    const sheen = 1 + 0.5 * Math.sin(radians(tv)) * Math.cos(radians(pl - pv));
+    return 255 * ([0.5, 0.4, 0.3 + 0.1 * (tv > 0)][b] * sheen * (1 + 0.35 * grain(r, c)) * shading) ** (1 / 2.2);
+  });
+  const path = join(folder, 'many.sateen');
+  sateen('model', join(folder, 'many'), '-o', path, '--subspaces', 20, '--surface', 'stereo');
+  return path;
+}
+
+/** A material of a photograph with a pattern that repeats every 13.5 pixels. */
+export function wovenMaterial(folder) {
+  const draw = random(4);
+  const wave = Array.from({ length: 160 }, (_, i) => Math.sin((2 * Math.PI * i) / 13.5));
+  writeTiff(join(folder, 'weave.tif'), 160, 160, (r, c, b) =>
+    110 + [60, 50, 35][b] * (Math.max(wave[r], wave[c]) + 0.3 * wave[r] * wave[c]) + 12 * draw());
+  const path = join(folder, 'woven.sateen');
+  sateen('model', join(folder, 'weave.tif'), '-o', path);
   return path;
 }
 
@@ -133,4 +190,19 @@ export function readPng(path) {
     }
   }
   return { rows, cols, channels, samples: out };
+}
+
+/** The colour difference ΔE*ab of two 8-bit sRGB colours. */
+export function deltaE(a, b) {
+  const [p, q] = [lab(a), lab(b)];
+  return Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
+}
+
+function lab(code) {
+  const [r, g, b] = code.map((c) => (c <= 0.04045 * 255 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+  const f = (t) => (t > 216 / 24389 ? Math.cbrt(t) : ((24389 / 27) * t + 16) / 116);
+  const [x, y, z] = [
+    f((0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505), f(0.2126 * r + 0.7152 * g + 0.0722 * b),
+    f((0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089)];
+  return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
 }

@@ -13,7 +13,7 @@ const NORMALS = 4096;
 export class ReliefTextures {
   /** N and height, (rows, cols). */
   readonly surface: DataTexture;
-  /** Mean and mean square over the surface of max(0, N·l). */
+  /** Means over the surface of s = max(0, N·l), s² and √s. */
   readonly moments: DataTexture;
   readonly range: [number, number] = [Infinity, -Infinity];
   private readonly normals: Float32Array;
@@ -71,15 +71,17 @@ export class ReliefTextures {
         [x, y] = [x / out, y / out];
         const s = x * x + y * y;
         const [lx, ly, lz] = [(2 * x) / (1 + s), (2 * y) / (1 + s), (1 - s) / (1 + s)];
-        let [sum, squares] = [0, 0];
+        let [sum, squares, roots] = [0, 0, 0];
         for (let i = 0; i < n.length; i += 3) {
           const shading = Math.max(0, n[i]! * lx + n[i + 1]! * ly + n[i + 2]! * lz);
           sum += shading;
           squares += shading * shading;
+          roots += Math.sqrt(shading);
         }
         const at = 4 * (row * MOMENT_SIDE + col);
         texels[at] = DataUtils.toHalfFloat((3 * sum) / n.length);
         texels[at + 1] = DataUtils.toHalfFloat((3 * squares) / n.length);
+        texels[at + 2] = DataUtils.toHalfFloat((3 * roots) / n.length);
       }
     this.moments.needsUpdate = true;
   }

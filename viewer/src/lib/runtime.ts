@@ -67,8 +67,8 @@ export interface TextureMoments {
   mean: Float32Array;
   /** Of the luminances of every two, (subspaces, subspaces). */
   covariance: Float32Array;
-  /** -8 ln E √(t / mean) of each band and of the luminance, (subspaces, 4). */
-  root: Float32Array;
+  /** How each is distributed, (subspaces, 4). */
+  shape: Float32Array;
 }
 
 /** The pattern's displacement on a torus. */
@@ -208,11 +208,11 @@ export class Runtime {
   moments(handle: number, subspaces: number, rows: number, cols: number, seed: bigint): TextureMoments {
     const at = this.exports.sateen_moments(handle, rows, cols, ...halves(seed));
     if (at === 0) throw this.failure();
-    const all = this.floats(at, subspaces * (4 + subspaces));
+    const all = this.floats(at, subspaces * (8 + subspaces));
     return {
       mean: all.slice(0, 4 * subspaces),
-      root: all.slice(0, 4 * subspaces),
-      covariance: all.slice(4 * subspaces),
+      shape: all.slice(4 * subspaces, 8 * subspaces),
+      covariance: all.slice(8 * subspaces),
     };
   }
 

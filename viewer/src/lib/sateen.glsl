@@ -23,7 +23,7 @@ uniform usampler2D viewCells;   // triangulated views: core/direction_mesh.hpp
 uniform usampler2D lightCells;  // the same of lights, then (z, ∛z) of every light
 uniform usampler2D pairs;       // e of every pair and its subspace, lights outermost
 uniform sampler2D surface;      // unit normal N, height h in texels; a torus
-uniform sampler2D moments;      // mean and mean square of max(0, N·l) over the surface, by l
+uniform sampler2D moments;      // means of s = max(0, N·l), s², √s over the surface, by l
 uniform sampler2DArray cells;   // layers 2k, 2k + 1: m and s of the pattern
 uniform sampler2D phase;        // B⁻¹ D, toroidal like the fields
 uniform sampler2D toneCurves;   // rows (k, level): c of every plane of the pattern
@@ -55,9 +55,9 @@ const vec3 LUMINANCE = vec3(0.2126390059, 0.7151686788, 0.0721923154);
 
 // Rows of each in `subspaces`; the first three are T.
 const int ROW_MEAN = 3;         // of the transform; tone in w
-const int ROW_TEXTURE = 4;      // mean of the texture; ln(1 + κ²) in w
+const int ROW_TEXTURE = 4;      // mean of the texture
 const int ROW_COVARIANCE = 5;   // F: covariance of luminances j and k is F_j · F_k
-const int ROW_ROOT = 6;         // h of red, green, blue, luminance: TextureMoments::root
+const int ROW_SHAPE = 6;        // TextureMoments::shape
 const int ROW_LOW = 7;          // of the tone curves: first abscissa of each plane
 const int ROW_SCALE = 8;        // and 1 over their length
 
@@ -269,9 +269,9 @@ float lit(vec3 N, vec3 light, float level) {
     return 0.5 * (mean + sqrt(mean * mean + spread * 0.63661977));
 }
 
-vec2 shading_moments(vec3 light) {
+vec3 shading_moments(vec3 light) {
     vec2 at = (light.xy / (1.0 + max(light.z, 0.0)) * 0.5 + 0.5) * float(MOMENT_SIDE - 1) + 0.5;
-    return texture(moments, at / float(MOMENT_SIDE)).xy;
+    return max(texture(moments, at / float(MOMENT_SIDE)).xyz, 1e-4);
 }
 
 // ---------------------------------------------------------------- interpolation
@@ -280,13 +280,12 @@ vec2 shading_moments(vec3 light) {
 struct Light {
     vec3 irradiance;
     float s;             // shading of the place, of mean 1
-    float s_contrast;    // its variance over the square of its mean
+    float C_s, h_s;      // ln(E s² / (E s)²), -8 ln(E √s / √E s) over the surface
     float height;        // cos θ
     float fade;
     vec4 e;              // encoded mean colour and contrast
     vec3 x, mean;        // Σ w v, Σ w mean
-    vec4 F, h;           // Σ w F, Σ w Y h
-    float own;           // Σ w Y ln(1 + κ²)
+    vec4 F, shape;       // Σ w F, Σ w Y shape
     float kept;          // share of the texture's variance at this level
 };
 
@@ -323,21 +322,28 @@ void interpolate(Corners view, inout Light light, vec3 direction, int at, inout 
 #endif
 }
 
-// 3. Mean colour and contrast of these directions in place of the blend's own:
-//    max(0, offset + gain (x s)^power).
+// 4 to 6. Mean colour and contrast of these directions in place of the blend's own:
+// max(0, offset + gain (x s)^power). A mip level that keeps a share of the variance keeps as
+// much of what the power takes off the mean.
 vec3 value_of(Light light) {
     vec3 x = light.x * light.s;
 #ifdef REFLECTANCE
     vec3 e = max(light.e.xyz, 0.0);
     vec3 target = light.fade * e * e * e;
-    float Y = max(dot(LUMINANCE, light.mean), 1e-6);
-    float variance = dot(light.F, light.F) / (Y * Y);
-    float C = log((1.0 + variance) * (1.0 + light.s_contrast));
-    float wanted = max(0.0, light.e.w);
-    float total = sqrt(max(exp(C) - 1.0, 0.0));
-    float amplify = total > 1e-4 ? min(3.0, wanted / total) : 1.0;
     vec3 mean = max(light.mean, 1e-6);
-    return max(vec3(0.0), target * (1.0 + amplify * (x / mean - 1.0)));
+    float Y = max(dot(LUMINANCE, light.mean), 1e-6);
+    vec4 shape = light.shape / Y;
+    float C = log(1.0 + dot(light.F, light.F) / (Y * Y));
+    float h = C + C * C * shape.w;
+    C = max(C + light.C_s, 1e-6);
+    float H = clamp(h + light.h_s, 0.5 * C, 2.83 * C);
+    float p = log2(4.0 * C / H);
+    float wanted = max(0.0, light.e.w);
+    float power = clamp(pow(log(1.0 + wanted * wanted) / C, 1.0 / p), 0.5, 1.0);
+    float amplify = min(3.0, wanted / sqrt(max(exp(C * pow(power, p)) - 1.0, 1e-6)));
+    vec3 c = (shape.xyz * h + light.h_s) * (1.0 + (C / H - 1.0) * (power - 0.5) / 1.5);
+    vec3 E = exp(-0.5 * power * (1.0 - power) * c * light.kept);
+    return max(vec3(0.0), target * (1.0 - amplify + amplify * pow(max(x, 0.0) / mean, vec3(power)) / E));
 #else
     return light.fade * x;
 #endif
@@ -362,10 +368,9 @@ Light light_from(vec3 irradiance, vec3 direction) {
     light.height = max(direction.z, 0.0);
     light.fade = light.height;
     light.s = 1.0;
-    light.s_contrast = 0.0;
-    light.e = light.F = light.h = vec4(0.0);
+    light.C_s = light.h_s = light.kept = 0.0;
+    light.e = light.F = light.shape = vec4(0.0);
     light.x = light.mean = vec3(0.0);
-    light.own = light.kept = 0.0;
     return light;
 }
 
@@ -421,9 +426,10 @@ vec3 sateen_radiance() {
             float shade = lit(normal, direction, place.level);
             clay += lights[i].irradiance * shade * shadow;
 #ifdef DELIT
-            vec2 mean = shading_moments(direction);
-            lights[i].s = shade / max(mean.x, 1e-4);
-            lights[i].s_contrast = max(0.0, mean.y / max(mean.x * mean.x, 1e-8) - 1.0);
+            vec3 mean = shading_moments(direction);
+            lights[i].s = shade / mean.x;
+            lights[i].C_s = log(max(1.0, mean.y / (mean.x * mean.x)));
+            lights[i].h_s = -8.0 * log(min(1.0, mean.z / sqrt(mean.x)));
 #endif
             lights[i].s *= shadow;
         }
@@ -473,8 +479,7 @@ vec3 sateen_radiance() {
             lights[i].x += w * v;
             lights[i].mean += w * mean.xyz;
             lights[i].F += w * subspaces[k * SUBSPACE_ROWS + ROW_COVARIANCE];
-            lights[i].h += w * Y * subspaces[k * SUBSPACE_ROWS + ROW_ROOT];
-            lights[i].own += w * Y * mean.w;
+            lights[i].shape += w * Y * subspaces[k * SUBSPACE_ROWS + ROW_SHAPE];
             lights[i].kept += w * hides.w;
         }
     }

@@ -18,7 +18,7 @@ import {
 
 /** Side of the drawn tile, and about that of a torus of the range map, in texels. */
 const TILE = 256;
-const SURFACE_SIDE = 1024;
+const SURFACE_SIDE = 512;
 
 /** What of a material is shown. */
 export type ViewMode = 'combined' | 'smooth' | 'relief' | 'index';

@@ -162,14 +162,12 @@ export function subspaceRows(
     const band = (b: number): number => Math.min(b, d - 1);  // grey is shown as three equal bands
     const vector = (f: (b: number) => number, w = 0): Vector4 => new Vector4(f(0), f(1), f(2), w);
     const texture = moments ? [...moments.mean.subarray(4 * k, 4 * k + 3)].map((_, b) => moments.mean[4 * k + band(b)]!) : [1, 1, 1];
-    const luminance = LUMINANCE.reduce((sum, l, b) => sum + l * texture[b]!, 0);
-    const contrast = moments ? moments.covariance[k * n + k]! / luminance ** 2 : 0;
     return [
       ...[0, 1, 2].map((i) => vector((b) => (i < d ? T[i * d + band(b)]! : 0))),
       vector((b) => mean[band(b)]!, tone === 'srgb' ? 1 : 0),
-      vector((b) => texture[b]!, Math.log(1 + contrast)),
+      vector((b) => texture[b]!),
       factors ? new Vector4(...factors.subarray(4 * k, 4 * k + 4)) : new Vector4(),
-      moments ? new Vector4(...moments.root.subarray(4 * k, 4 * k + 4)) : new Vector4(),
+      moments ? new Vector4(...moments.shape.subarray(4 * k, 4 * k + 4)) : new Vector4(),
       vector((b) => ranges?.[k]?.[b]?.low ?? 0),
       vector((b) => 1 / (ranges?.[k]?.[b]?.length ?? 1)),
     ];

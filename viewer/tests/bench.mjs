@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// How fast the viewer is, drawn in software, as JSON with limits: node viewer/tests/bench.mjs
+// [MATERIAL.sateen …]. Needs tools/build_viewer.sh and bench/tiles_bench. Times are the shortest of several.
+import { spawnSync } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { basename, join } from 'node:path';
+
+import { launch, serve } from './browser.mjs';
+import { manyMaterial, ROOT, scratch } from './support.mjs';
+
+const ROUNDS = Number(process.env.ROUNDS ?? 12);
+const TILES = process.env.TILES_BENCH ?? join(ROOT, 'build/dev/bench/tiles_bench');
+
+const goodbyes = [];
+const materials = process.argv.length > 2 ? process.argv.slice(2)
+  : [manyMaterial(scratch((end) => goodbyes.push(end)))];
+const server = await serve((path) =>
+  (path === '/page' ? join(ROOT, 'viewer/dist/viewer.html') : materials.find((m) => `/tests/${basename(m)}` === path) ??
+    join(ROOT, 'viewer', path)));
+const browser = await launch();
+const figures = [];
+const add = (material, name, value, unit, limit, details) => figures.push({
+  material, name, value: Number(value.toPrecision(4)), unit, at_most: limit, ok: value <= limit, ...details });
+const ms = (x) => Number(x.toFixed(1));
+
+for (const material of materials) {
+  const name = basename(material);
+  // The page itself, from its address to a picture of the material that is on the canvas.
+  const page = await browser.newPage({ viewport: { width: 1024, height: 640 } });
+  await page.goto(`${server.origin}/page?url=tests/${name}`, { waitUntil: 'commit' });
+  const shown = await (await page.waitForFunction(() => document.body?.dataset.ready === 'true' && performance.now(),
+    undefined, { timeout: 300_000 })).jsonValue();
+  await page.close();
+
+  const library = await browser.newPage();
+  await library.goto(`${server.origin}/tests/bench.html`);
+  await library.waitForFunction(() => document.body.dataset.ready === 'true');
+  const run = await library.evaluate(([url, rounds]) => window.bench(url, rounds), [name, ROUNDS]);
+  await library.close();
+
+  add(name, 'from address to a lit picture', shown / 1000, 's', 3,
+    { library_ms: ms(run.firstPicture), loaded_ms: ms(run.loaded), created_ms: ms(run.created), subspaces: run.subspaces });
+  add(name, 'frame, sphere of 480 x 480, to MeshStandardMaterial with two maps', run.own / run.theirs, 'x', 4,
+    { frame_ms: ms(run.own), standard_ms: ms(run.theirs), without_displacement_ms: ms(run.shaded), relief: run.relief });
+  if (!existsSync(TILES)) continue;
+  const native = spawnSync(TILES, [material, '256'], { encoding: 'utf8' });
+  if (native.status !== 0) throw new Error(native.stderr);
+  const alone = JSON.parse(native.stdout).ms;
+  add(name, 'textures of 256 x 256 in the worker, to native on one thread', run.drawing / alone, 'x', 4,
+    { worker_ms: ms(run.drawing), native_ms: ms(alone) });
+}
+await browser.close();
+server.close();
+goodbyes.forEach((end) => end());
+console.log(JSON.stringify({ bench: 'viewer', figures }, null, 1));
