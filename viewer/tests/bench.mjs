@@ -5,7 +5,7 @@ import { spawnSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { basename, join } from 'node:path';
 
-import { launch, serve } from './browser.mjs';
+import { launch, PATIENCE, serve } from './browser.mjs';
 import { manyMaterial, ROOT, scratch } from './support.mjs';
 
 const ROUNDS = Number(process.env.ROUNDS ?? 12);
@@ -27,12 +27,14 @@ for (const material of materials) {
   const name = basename(material);
   // The page itself, from its address to a picture of the material that is on the canvas.
   const page = await browser.newPage({ viewport: { width: 1024, height: 640 } });
+  page.setDefaultTimeout(PATIENCE);
   await page.goto(`${server.origin}/page?url=tests/${name}`, { waitUntil: 'commit' });
-  const shown = await (await page.waitForFunction(() => document.body?.dataset.ready === 'true' && performance.now(),
-    undefined, { timeout: 300_000 })).jsonValue();
+  const shown = await (await page.waitForFunction(() => document.body?.dataset.ready === 'true' && performance.now())
+  ).jsonValue();
   await page.close();
 
   const library = await browser.newPage();
+  library.setDefaultTimeout(PATIENCE);
   await library.goto(`${server.origin}/tests/bench.html`);
   await library.waitForFunction(() => document.body.dataset.ready === 'true');
   const run = await library.evaluate(([url, rounds]) => window.bench(url, rounds), [name, ROUNDS]);

@@ -7,8 +7,10 @@
 //     radiance = Σ_lights E/π max(0, offset + gain (x s)^power),   x = Σ_k w_k v_k(u)
 //
 // with barycentric weights w of subspaces in the triangles of measured directions [CAR2 §III],
-// the texture v_k of each, and the shading s of the surface. Each texture is read once for all
-// lights. Branches that skip work are loops: renderers in software run both sides of an `if`.
+// the texture v_k of each, and the shading s of the surface.
+//
+// Renderers in software run both sides of an `if` and are slow at arrays that are indexed by
+// numbers of a pixel: what skips work is a loop, and weights are kept in vectors.
 
 precision highp float;
 precision highp int;
@@ -174,14 +176,15 @@ vec3 half_curvature(vec3 code) {
     return step(0.04045, code) * (0.5 * 2.4 * 1.4 / (1.055 * 1.055)) * pow((max(code, 0.0) + 0.055) / 1.055, vec3(0.4));
 }
 
-// What the fields, and a pattern's phase, are at the place that a pixel sees.
+// The place that a pixel sees, in the fields, and in the cell of a pattern.
 struct Place {
     Tiles tiles;
     vec2 dx, dy;    // of the fields' coordinates
     float level;
-    vec2 u;         // of the pattern's cell, and its derivatives
+    vec2 u;
     vec2 udx, udy;
 };
+Place place;
 
 // A curve of each plane at places x from 0 to 1, where a texture has them as nodes of its rows.
 vec3 curve_at(sampler2D curve, vec3 x, float row) {
@@ -195,7 +198,7 @@ vec3 curve_at(sampler2D curve, vec3 x, float row) {
 // At mip level m a field is an average over a pixel. The curves of that level are already
 // E[q(g + hidden part)]; the tone's curve is taken to second order in the variance that the
 // level hides, E[f(x)] ≈ f(x) + ½ f''(x) s². So a distant texture keeps its mean colour.
-vec3 texture_at(Place place, int k, vec4 hides) {
+vec3 texture_at(int k, vec4 hides) {
     int row = k * SUBSPACE_ROWS;
     float level = clamp(place.level, 0.0, float(LEVELS - 1));
     float curve_row = (float(k * LEVELS) + level + 0.5) / float(SUBSPACES * LEVELS);
@@ -258,7 +261,7 @@ float self_shadow(vec3 hit, vec3 light, float level) {
         float up = rise * float(i) / float(steps);
         over = max(over, height_at(hit.xy + slope * up, level) - start - up);
     }
-    return 1.0 - clamp(over / (0.03 * depth + 1e-4), 0.0, 1.0);
+    return 1.0 - clamp(over / (0.01 * depth + 1e-4), 0.0, 1.0);
 }
 
 // Mean over a pixel of max(0, N·l): N is the mean of the pixel's normals, whose length tells how
@@ -276,77 +279,133 @@ vec3 shading_moments(vec3 light) {
 
 // ---------------------------------------------------------------- interpolation
 
-// One light: what DirectionalInterpolation::at finds for it, and the blend of textures.
-struct Light {
-    vec3 irradiance;
-    float s;             // shading of the place, of mean 1
-    float C_s, h_s;      // ln(E s² / (E s)²), -8 ln(E √s / √E s) over the surface
-    float height;        // cos θ
+// The weights of the pairs of the nearest three lights and views, and their subspaces: row i is
+// of light i.
+struct Pairs {
+    vec3 w0, w1, w2;
+    ivec3 k0, k1, k2;
+    vec4 e;          // encoded mean colour and contrast
     float fade;
-    vec4 e;              // encoded mean colour and contrast
-    vec3 x, mean;        // Σ w v, Σ w mean
-    vec4 F, shape;       // Σ w F, Σ w Y shape
-    float kept;          // share of the texture's variance at this level
 };
 
-const int LIGHTS = NUM_DIR_LIGHTS + 1;
-
-// 1. The 3 x 3 products: weights of subspaces, e, and the fade of the light.
-void interpolate(Corners view, inout Light light, vec3 direction, int at, inout float weight[LIGHTS * SUBSPACES], inout uint seen) {
 #ifdef MEASURED
-    Corners l = corners_of(lightCells, direction);
-    vec2 heights = vec2(0.0);
-    for (int i = 0; i < 3; ++i) {
-        uvec4 z = in_list(lightCells, LIGHT_HEIGHTS + l.number[i]);
-        heights += l.w[i] * uintBitsToFloat(z.xy);
-        for (int j = 0; j < 3; ++j) {
-            float w = l.w[i] * view.w[j];
-            uvec4 pair = in_list(pairs, l.number[i] * VIEWS + view.number[j]);
-            uint k = pair.w & 0xFFu;
-            weight[at * SUBSPACES + int(k)] += w;
-            light.e += w * vec4(uintBitsToFloat(pair.xyz), unpackHalf2x16(pair.w >> 16).x);
-            if (w > 0.0) seen |= 1u << k;
-        }
+// Adds the pairs of one light. \param z  its height and the cube root of it, weighted
+void add_pairs(int light, float w, Corners view, out vec3 weights, out ivec3 k, inout vec4 e, inout vec2 z) {
+    weights = w * view.w;
+    z += w * uintBitsToFloat(in_list(lightCells, LIGHT_HEIGHTS + light).xy);
+    for (int j = 0; j < 3; ++j) {
+        uvec4 pair = in_list(pairs, light * VIEWS + (j == 0 ? view.number.x : j == 1 ? view.number.y : view.number.z));
+        int subspace = int(pair.w & 0xFFu);
+        float weight = j == 0 ? weights.x : j == 1 ? weights.y : weights.z;
+        if (j == 0) k.x = subspace;
+        else if (j == 1) k.y = subspace;
+        else k.z = subspace;
+        e += weight * vec4(uintBitsToFloat(pair.xyz), unpackHalf2x16(pair.w >> 16).x);
     }
+}
+#endif
+
+// Steps 1 to 3 of DirectionalInterpolation::at.
+Pairs interpolate(Corners view, vec3 light) {
+    Pairs p;
+    p.e = vec4(0.0);
+    p.fade = light.z;
+    p.w0 = vec3(1.0, 0.0, 0.0);
+    p.w1 = p.w2 = vec3(0.0);
+    p.k0 = p.k1 = p.k2 = ivec3(0);
+#ifdef MEASURED
+    Corners l = corners_of(lightCells, light);
+    vec2 z = vec2(0.0);
+    add_pairs(l.number.x, l.w.x, view, p.w0, p.k0, p.e, z);
+    add_pairs(l.number.y, l.w.y, view, p.w1, p.k1, p.e, z);
+    add_pairs(l.number.z, l.w.z, view, p.w2, p.k2, p.e, z);
 #ifdef COSINE_INCLUDED
 #ifdef REFLECTANCE
-    float interpolated = heights.y * heights.y * heights.y;
+    p.fade = min(4.0, light.z / max(z.y * z.y * z.y, 1e-3));
 #else
-    float interpolated = heights.x;
+    p.fade = min(4.0, light.z / max(z.x, 1e-3));
 #endif
-    light.fade = min(4.0, light.height / max(interpolated, 1e-3));
 #endif
+#endif
+    return p;
+}
+
+// The subspace of a pair that has weight, or -1.
+int next_subspace(Pairs p) {
+    if (p.w0.x > 0.0) return p.k0.x;
+    if (p.w0.y > 0.0) return p.k0.y;
+    if (p.w0.z > 0.0) return p.k0.z;
+    if (p.w1.x > 0.0) return p.k1.x;
+    if (p.w1.y > 0.0) return p.k1.y;
+    if (p.w1.z > 0.0) return p.k1.z;
+    if (p.w2.x > 0.0) return p.k2.x;
+    if (p.w2.y > 0.0) return p.k2.y;
+    if (p.w2.z > 0.0) return p.k2.z;
+    return -1;
+}
+
+// The weight of all pairs of subspace k, which is then taken from them.
+float take_weight(inout Pairs p, int k) {
+    vec3 of0 = vec3(equal(p.k0, ivec3(k)));
+    vec3 of1 = vec3(equal(p.k1, ivec3(k)));
+    vec3 of2 = vec3(equal(p.k2, ivec3(k)));
+    float w = dot(of0, p.w0) + dot(of1, p.w1) + dot(of2, p.w2);
+    p.w0 -= of0 * p.w0;
+    p.w1 -= of1 * p.w1;
+    p.w2 -= of2 * p.w2;
+    return w;
+}
+
+// The value of the place for one light: steps 4 to 6, max(0, offset + gain (x s)^power).
+// A mip level that keeps a share of the variance keeps as much of what the power takes off the mean.
+// \param s  shading of mean 1;  C_s, h_s  ln(E s² / (E s)²) and -8 ln(E √s / √E s) over the surface
+vec3 value_for(Pairs p, float s, float C_s, float h_s) {
+    vec3 x = vec3(0.0);
+    vec3 mean = vec3(0.0);
+    vec4 F = vec4(0.0);
+    vec4 shape = vec4(0.0);
+    float kept = 0.0;
+    for (int k = next_subspace(p); k >= 0; k = next_subspace(p)) {
+        float w = take_weight(p, k);
+        vec2 at = vec2((float(k) + 0.5) / float(SUBSPACES), (clamp(place.level, 0.0, float(LEVELS - 1)) + 0.5) / float(LEVELS));
+        vec4 hides = texture(hidden, at);
+        x += w * texture_at(k, hides);
+#ifdef REFLECTANCE
+        vec3 own = subspaces[k * SUBSPACE_ROWS + ROW_TEXTURE].xyz;
+        mean += w * own;
+        F += w * subspaces[k * SUBSPACE_ROWS + ROW_COVARIANCE];
+        shape += w * dot(LUMINANCE, own) * subspaces[k * SUBSPACE_ROWS + ROW_SHAPE];
+        kept += w * hides.w;
+#endif
+    }
+    x *= s;
+#ifdef REFLECTANCE
+    vec3 e = max(p.e.xyz, 0.0);
+    vec3 target = p.fade * e * e * e;
+    float Y = max(dot(LUMINANCE, mean), 1e-6);
+    mean = max(mean, 1e-6);
+    shape /= Y;
+    float C = log(1.0 + dot(F, F) / (Y * Y));
+    float h = C + C * C * shape.w;
+    C = max(C + C_s, 1e-6);
+    float H = clamp(h + h_s, 0.5 * C, 2.83 * C);
+    float q = log2(4.0 * C / H);
+    float wanted = max(0.0, p.e.w);
+    float power = clamp(pow(log(1.0 + wanted * wanted) / C, 1.0 / q), 0.5, 1.0);
+    float amplify = min(3.0, wanted / sqrt(max(exp(C * pow(power, q)) - 1.0, 1e-6)));
+    vec3 c = (shape.xyz * h + h_s) * (1.0 + (C / H - 1.0) * (power - 0.5) / 1.5);
+    vec3 E = exp(-0.5 * power * (1.0 - power) * c * kept);
+    return max(vec3(0.0), target * (1.0 - amplify + amplify * pow(max(x, 0.0) / mean, vec3(power)) / E));
 #else
-    weight[at * SUBSPACES] = 1.0;
-    seen = 1u;
+    return p.fade * x;
 #endif
 }
 
-// 4 to 6. Mean colour and contrast of these directions in place of the blend's own:
-// max(0, offset + gain (x s)^power). A mip level that keeps a share of the variance keeps as
-// much of what the power takes off the mean.
-vec3 value_of(Light light) {
-    vec3 x = light.x * light.s;
-#ifdef REFLECTANCE
-    vec3 e = max(light.e.xyz, 0.0);
-    vec3 target = light.fade * e * e * e;
-    vec3 mean = max(light.mean, 1e-6);
-    float Y = max(dot(LUMINANCE, light.mean), 1e-6);
-    vec4 shape = light.shape / Y;
-    float C = log(1.0 + dot(light.F, light.F) / (Y * Y));
-    float h = C + C * C * shape.w;
-    C = max(C + light.C_s, 1e-6);
-    float H = clamp(h + light.h_s, 0.5 * C, 2.83 * C);
-    float p = log2(4.0 * C / H);
-    float wanted = max(0.0, light.e.w);
-    float power = clamp(pow(log(1.0 + wanted * wanted) / C, 1.0 / p), 0.5, 1.0);
-    float amplify = min(3.0, wanted / sqrt(max(exp(C * pow(power, p)) - 1.0, 1e-6)));
-    vec3 c = (shape.xyz * h + light.h_s) * (1.0 + (C / H - 1.0) * (power - 0.5) / 1.5);
-    vec3 E = exp(-0.5 * power * (1.0 - power) * c * light.kept);
-    return max(vec3(0.0), target * (1.0 - amplify + amplify * pow(max(x, 0.0) / mean, vec3(power)) / E));
-#else
-    return light.fade * x;
-#endif
+// The colours of the subspaces, by their weights.
+vec3 palette_of(Pairs p) {
+    vec3 sum = vec3(0.0);
+    for (int k = next_subspace(p); k >= 0; k = next_subspace(p)) sum += take_weight(p, k) * palette[k];
+    return sum;
 }
 
 // ---------------------------------------------------------------- a pixel
@@ -362,18 +421,6 @@ mat3 tangent_frame(vec3 N) {
     return mat3(T, cross(N, T), N);
 }
 
-Light light_from(vec3 irradiance, vec3 direction) {
-    Light light;
-    light.irradiance = direction.z > 0.0 ? irradiance : vec3(0.0);
-    light.height = max(direction.z, 0.0);
-    light.fade = light.height;
-    light.s = 1.0;
-    light.C_s = light.h_s = light.kept = 0.0;
-    light.e = light.F = light.shape = vec4(0.0);
-    light.x = light.mean = vec3(0.0);
-    return light;
-}
-
 vec3 sateen_radiance() {
     vec3 N = normalize(vNormal);
 #ifdef DOUBLE_SIDED
@@ -385,7 +432,6 @@ vec3 sateen_radiance() {
 
     // Rows of textures run downwards.
     vec2 texel = vec2(vUv.x, -vUv.y) * texelsPerUv;
-    Place place;
     vec2 dx = dFdx(texel);
     vec2 dy = dFdy(texel);
     // As anisotropic filtering chooses it: by the shorter axis, up to ANISOTROPY to 1.
@@ -410,52 +456,6 @@ vec3 sateen_radiance() {
 #ifdef MEASURED
     view_corners = corners_of(viewCells, view);
 #endif
-    float weight[LIGHTS * SUBSPACES];
-    for (int i = 0; i < LIGHTS * SUBSPACES; ++i) weight[i] = 0.0;
-    uint seen = 0u;
-    Light lights[LIGHTS];
-    vec3 clay = vec3(0.0);
-
-#if NUM_DIR_LIGHTS > 0
-    for (int i = 0; i < NUM_DIR_LIGHTS; ++i) {
-        vec3 direction = directionalLights[i].direction * frame;
-        lights[i] = light_from(directionalLights[i].color, direction);
-#ifdef SURFACE
-        if (rough) {
-            float shadow = marched ? self_shadow(hit, direction, place.level) : 1.0;
-            float shade = lit(normal, direction, place.level);
-            clay += lights[i].irradiance * shade * shadow;
-#ifdef DELIT
-            vec3 mean = shading_moments(direction);
-            lights[i].s = shade / mean.x;
-            lights[i].C_s = log(max(1.0, mean.y / (mean.x * mean.x)));
-            lights[i].h_s = -8.0 * log(min(1.0, mean.z / sqrt(mean.x)));
-#endif
-            lights[i].s *= shadow;
-        }
-#endif
-        interpolate(view_corners, lights[i], direction, i, weight, seen);
-    }
-#endif
-    // Light from everywhere is taken to come from the normal, which is exact for a matt surface.
-    vec3 ambient = ambientLightColor;
-#if NUM_HEMI_LIGHTS > 0
-    vec3 bent = normalize(frame * normal);
-    for (int i = 0; i < NUM_HEMI_LIGHTS; ++i)
-        ambient += getHemisphereLightIrradiance(hemisphereLights[i], bent);
-#endif
-    lights[NUM_DIR_LIGHTS] = light_from(ambient, vec3(0.0, 0.0, 1.0));
-    if (ambient != vec3(0.0))
-        interpolate(view_corners, lights[NUM_DIR_LIGHTS], vec3(0.0, 0.0, 1.0), NUM_DIR_LIGHTS, weight, seen);
-    clay += ambient;
-
-    const float RECIPROCAL_PI_ = 0.3183098861837907;
-    if (viewMode == VIEW_RELIEF) return exposure * clay * 0.5 * RECIPROCAL_PI_;
-    if (viewMode == VIEW_INDEX) {
-        vec3 sum = vec3(0.0);
-        for (int k = 0; k < SUBSPACES; ++k) sum += weight[k] * palette[k];
-        return sum;
-    }
 
     vec2 st = hit.xy / fieldSize;
     place.tiles = tiles_at(st);
@@ -466,24 +466,55 @@ vec3 sateen_radiance() {
     place.udx = vec2(dot(latticeInverse.xy, dx.yx), dot(latticeInverse.zw, dx.yx));
     place.udy = vec2(dot(latticeInverse.xy, dy.yx), dot(latticeInverse.zw, dy.yx));
 #endif
-    float level_row = (clamp(place.level, 0.0, float(LEVELS - 1)) + 0.5) / float(LEVELS);
-    for (uint rest = seen; rest != 0u; rest &= rest - 1u) {
-        // The lowest bit: the exponent of its value as a float.
-        int k = int(floatBitsToUint(float(rest & (~rest + 1u))) >> 23) - 127;
-        vec4 hides = texture(hidden, vec2((float(k) + 0.5) / float(SUBSPACES), level_row));
-        vec3 v = texture_at(place, k, hides);
-        vec4 mean = subspaces[k * SUBSPACE_ROWS + ROW_TEXTURE];
-        float Y = dot(LUMINANCE, mean.xyz);
-        for (int i = 0; i < LIGHTS; ++i) {
-            float w = weight[i * SUBSPACES + k];
-            lights[i].x += w * v;
-            lights[i].mean += w * mean.xyz;
-            lights[i].F += w * subspaces[k * SUBSPACE_ROWS + ROW_COVARIANCE];
-            lights[i].shape += w * Y * subspaces[k * SUBSPACE_ROWS + ROW_SHAPE];
-            lights[i].kept += w * hides.w;
-        }
-    }
+
+    // Light from everywhere is taken to come from the normal, which is exact for a matt surface.
+    vec3 ambient = ambientLightColor;
+#if NUM_HEMI_LIGHTS > 0
+    vec3 bent = normalize(frame * normal);
+    for (int i = 0; i < NUM_HEMI_LIGHTS; ++i)
+        ambient += getHemisphereLightIrradiance(hemisphereLights[i], bent);
+#endif
     vec3 radiance = vec3(0.0);
-    for (int i = 0; i < LIGHTS; ++i) radiance += lights[i].irradiance * value_of(lights[i]);
-    return exposure * tint * radiance * RECIPROCAL_PI_;
+    int first = ambient == vec3(0.0) ? 0 : -1;
+    for (int i = first; i < NUM_DIR_LIGHTS; ++i) {
+        vec3 irradiance = ambient;
+        vec3 light = vec3(0.0, 0.0, 1.0);
+#if NUM_DIR_LIGHTS > 0
+        if (i >= 0) {
+            irradiance = directionalLights[i].color;
+            light = directionalLights[i].direction * frame;
+        }
+#endif
+        if (light.z <= 0.0) continue;
+        float s = 1.0;
+        float C_s = 0.0;
+        float h_s = 0.0;
+        float clay = light.z;
+#ifdef SURFACE
+        if (rough && i >= 0) {
+            float shadow = marched ? self_shadow(hit, light, place.level) : 1.0;
+            clay = lit(normal, light, place.level) * shadow;
+#ifdef DELIT
+            vec3 mean = shading_moments(light);
+            s = lit(normal, light, place.level) / mean.x;
+            C_s = log(max(1.0, mean.y / (mean.x * mean.x)));
+            h_s = max(0.0, -8.0 * log(mean.z / sqrt(mean.x)));
+#endif
+            s *= shadow;
+        }
+#endif
+        if (viewMode == VIEW_RELIEF) {
+            radiance += 0.5 * irradiance * clay;
+            continue;
+        }
+        Pairs p = interpolate(view_corners, light);
+        if (viewMode == VIEW_INDEX) {
+            radiance = palette_of(p);
+            continue;
+        }
+        radiance += irradiance * value_for(p, s, C_s, h_s);
+    }
+    if (viewMode == VIEW_INDEX) return radiance;
+    const float RECIPROCAL_PI_ = 0.3183098861837907;
+    return exposure * (viewMode == VIEW_RELIEF ? vec3(1.0) : tint) * radiance * RECIPROCAL_PI_;
 }
