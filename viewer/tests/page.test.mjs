@@ -110,7 +110,7 @@ test('shapes, views, tint and scale change the picture, and it can be saved', { 
   await changes('tint', () => set('tint', '#ff4040'));
   await changes('scale', () => set('scale', '1'));
   await changes('exposure', () => set('exposure', '-1'));
-  await changes('surroundings', () => page.selectOption('#surroundings', 'evening'));
+  await changes('surroundings', () => page.selectOption('#surroundings', 'overcast'));
   const waiting = page.waitForEvent('download');
   await page.click('#save');
   const saved = await waiting;
