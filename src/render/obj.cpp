@@ -70,8 +70,12 @@ class Builder {
                                                  -attributes_.normals[3 * n + 2],
                                                  attributes_.normals[3 * n + 1]}));
         }
-        return std::all_of(mesh.position.back().begin(), mesh.position.back().end(),
-                           [](float x) { return std::isfinite(x); });
+        const auto finite = [](const auto& values) {
+            return std::all_of(values.begin(), values.end(),
+                               [](float x) { return std::isfinite(x); });
+        };
+        return finite(mesh.position.back()) && finite(mesh.uv.back()) &&
+               (mesh.normal.empty() || finite(mesh.normal.back()));
     }
 
     Mesh mesh;
@@ -102,7 +106,8 @@ Result<Mesh> parse_obj(std::string_view text, std::string_view name, float repea
                 if (!builder.corner(indices[k + i], triangle[i]))
                     return bad_obj(name,
                                    "found a face without position or texture "
-                                   "coordinates, expected both");
+                                   "coordinates, or with some that are not finite, "
+                                   "expected both for every corner");
             builder.mesh.triangles.push_back(triangle);
         }
     }

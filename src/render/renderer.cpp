@@ -32,8 +32,8 @@ constexpr std::size_t kSamples = kGrid * kGrid;
 /// the normal turns.
 constexpr std::array<std::size_t, kSamples> kStratum = {15, 2, 1, 12, 4, 9,  10, 7,
                                                         8,  5, 6, 11, 3, 14, 13, 0};
-/// Shadow rays begin so far from the surface; objects have radius 1.
-constexpr float kLift = 1e-3F;
+/// Points that are shaded at a time, about.
+constexpr std::size_t kShadedTogether = 1024;
 
 struct ReleaseEmbree {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -82,20 +82,14 @@ class Geometry {
         rtcIntersect16(valid.data(), scene_.get(), &context, &rays);
     }
 
-    [[nodiscard]] bool free(const Vector3& from, const Vector3& direction) const {
-        RTCRay ray{};
-        ray.org_x = from[0];
-        ray.org_y = from[1];
-        ray.org_z = from[2];
-        ray.dir_x = direction[0];
-        ray.dir_y = direction[1];
-        ray.dir_z = direction[2];
-        ray.tfar = std::numeric_limits<float>::infinity();
-        ray.mask = 0xFFFFFFFFU;
+    /// Of rays with a mark, clears the marks of those that hit something.
+    void occlude(std::array<int, kSamples>& marks, RTCRay16& rays) const {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
-        rtcOccluded1(scene_.get(), &context, &ray);
-        return ray.tfar > 0;
+        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        rtcOccluded16(marks.data(), scene_.get(), &context, &rays);
+        for (std::size_t i = 0; i < kSamples; ++i)
+            if (rays.tfar[i] < 0) marks[i] = 0;
     }
 
   private:
@@ -149,7 +143,7 @@ struct Frame {
 };
 
 Frame frame_at(const Mesh& mesh, std::uint32_t triangle, float b, float c,
-               const Vector3& point, const Vector3& to_eye) {
+               const Vector3& point, const Vector3& face, const Vector3& to_eye) {
     const auto& corners = mesh.triangles[triangle];
     const auto blend = [&](const std::vector<Vector3>& values) {
         return sum(
@@ -163,8 +157,9 @@ Frame frame_at(const Mesh& mesh, std::uint32_t triangle, float b, float c,
     frame.tangent =
         unit(difference(along, times(frame.normal, dot(frame.normal, along))));
     frame.bitangent = cross(frame.normal, frame.tangent);
-    // The back of a cloth is cloth as well.
-    if (dot(frame.normal, to_eye) < 0) {
+    // The back of a cloth is cloth as well. Which side is seen is told by the triangle: at a
+    // rim the normal between its corners may lean away already.
+    if (dot(face, to_eye) * dot(face, frame.normal) < 0) {
         frame.normal = times(frame.normal, -1);
         frame.tangent = times(frame.tangent, -1);
     }
@@ -176,11 +171,19 @@ Frame frame_at(const Mesh& mesh, std::uint32_t triangle, float b, float c,
     return frame;
 }
 
-/// Points of a pixel that wait to be shaded, with what each counts for.
+/// Points that wait to be shaded, with what each counts for and in which column.
 struct Pending {
     std::vector<LitPoint> points;
     std::vector<Vector3> weights;
+    std::vector<std::size_t> cols;
     std::vector<Vector3> values;
+};
+
+/// What the 16 samples of a pixel hit.
+struct Hits {
+    std::array<int, kSamples> valid{};  ///< -1 where something was
+    std::array<Frame, kSamples> frames;
+    std::array<Vector3, kSamples> views;  ///< in the frame
 };
 
 class Picture {
@@ -198,10 +201,15 @@ class Picture {
 
     void row(std::size_t r, Image& image) const {
         Pending pending;
+        std::vector<Vector3> colours(options_.cols);
         for (std::size_t c = 0; c < options_.cols; ++c) {
-            const Vector3 colour = pixel(r, c, pending);
-            for (std::size_t band = 0; band < 3; ++band) image(band, r, c) = colour[band];
+            colours[c] = pixel(r, c, pending);
+            if (pending.points.size() >= kShadedTogether || c + 1 == options_.cols)
+                shade(pending, colours);
         }
+        for (std::size_t c = 0; c < options_.cols; ++c)
+            for (std::size_t band = 0; band < 3; ++band)
+                image(band, r, c) = colours[c][band] / kSamples;
     }
 
   private:
@@ -229,49 +237,95 @@ class Picture {
                    times(scene_.background_top, t));
     }
 
-    void add_lights(const Frame& frame, const Vector3& view, Pending& pending) const {
-        for (std::size_t k = 0; k < lights_.size(); ++k)
-            add_light(frame, view, lights_[k],
-                      times({1, 1, 1}, scene_.lights[k].strength), pending);
+    void shade(Pending& pending, std::vector<Vector3>& colours) const {
+        pending.values.resize(pending.points.size());
+        if (!pending.points.empty()) shade_(pending.points, pending.values);
+        for (std::size_t k = 0; k < pending.values.size(); ++k)
+            for (std::size_t band = 0; band < 3; ++band)
+                colours[pending.cols[k]][band] +=
+                    pending.weights[k][band] * pending.values[k][band];
+        pending.points.clear();
+        pending.weights.clear();
+        pending.cols.clear();
     }
 
-    void add_light(const Frame& frame, const Vector3& view, const Vector3& light,
-                   const Vector3& weight, Pending& pending) const {
-        const Vector3 local = frame.local(light);
-        if (local[2] <= 0) return;
-        if (!geometry_.free(sum(frame.point, times(frame.normal, kLift)), light)) return;
-        pending.points.push_back({frame.u, frame.v, view, local});
-        pending.weights.push_back(weight);
-    }
-
-    /// Σ value L / (π p n) over n directions: the radiance that the environment causes.
-    void add_environment(const Frame& frame, const Vector3& view, std::size_t site,
-                         std::size_t sample, Pending& pending) const {
-        const std::size_t n = options_.environment_samples;
-        for (std::size_t k = 0; k < n; ++k) {
-            const auto words = philox4x32_10(
-                {static_cast<std::uint32_t>(site), static_cast<std::uint32_t>(sample),
-                 static_cast<std::uint32_t>(k), 0xE7U},
-                {static_cast<std::uint32_t>(options_.seed),
-                 static_cast<std::uint32_t>(options_.seed >> 32)});
-            const auto uniform = [](std::uint32_t word) {
-                return static_cast<float>(word >> 8) * 0x1p-24F;
-            };
-            const float stratum =
-                (static_cast<float>(kStratum[sample] * n + k) + uniform(words[0])) /
-                static_cast<float>(kSamples * n);
-            const Environment::Sample from =
-                scene_.environment->sample({stratum, uniform(words[1])});
-            if (!(from.density > 0)) continue;
-            const float scale =
-                1 / (std::numbers::pi_v<float> * from.density * static_cast<float>(n));
-            add_light(frame, view, from.direction, times(from.radiance, scale), pending);
+    /// One light a sample, where nothing hides it.
+    void add_light(const Hits& hits, const std::array<Vector3, kSamples>& lights,
+                   const std::array<Vector3, kSamples>& weights, std::size_t col,
+                   Pending& pending) const {
+        alignas(64) std::array<int, kSamples> marks = hits.valid;
+        std::array<Vector3, kSamples> local;
+        RTCRay16 rays{};
+        for (std::size_t i = 0; i < kSamples; ++i) {
+            if (marks[i] == 0) continue;
+            const Frame& frame = hits.frames[i];
+            local[i] = frame.local(lights[i]);
+            const float strength = weights[i][0] + weights[i][1] + weights[i][2];
+            if (local[i][2] <= 0 || !(strength > 0)) {
+                marks[i] = 0;
+                continue;
+            }
+            const Vector3 from =
+                sum(frame.point, times(frame.normal, scene_.shadow_lift));
+            rays.org_x[i] = from[0];
+            rays.org_y[i] = from[1];
+            rays.org_z[i] = from[2];
+            rays.dir_x[i] = lights[i][0];
+            rays.dir_y[i] = lights[i][1];
+            rays.dir_z[i] = lights[i][2];
+            rays.tfar[i] = std::numeric_limits<float>::infinity();
+            rays.mask[i] = 0xFFFFFFFFU;
+        }
+        geometry_.occlude(marks, rays);
+        for (std::size_t i = 0; i < kSamples; ++i) {
+            if (marks[i] == 0) continue;
+            const Frame& frame = hits.frames[i];
+            pending.points.push_back({frame.u, frame.v, hits.views[i], local[i]});
+            pending.weights.push_back(weights[i]);
+            pending.cols.push_back(col);
         }
     }
 
+    /// Σ value L / (π p n) over n directions: the radiance that the environment causes.
+    void add_environment(const Hits& hits, std::size_t site, std::size_t col,
+                         Pending& pending) const {
+        const std::size_t n = options_.environment_samples;
+        for (std::size_t k = 0; k < n; ++k) {
+            std::array<Vector3, kSamples> lights{};
+            std::array<Vector3, kSamples> weights{};
+            for (std::size_t i = 0; i < kSamples; ++i) {
+                if (hits.valid[i] == 0) continue;
+                const Environment::Sample from = environment_sample(site, i, k);
+                if (!(from.density > 0)) continue;
+                lights[i] = from.direction;
+                weights[i] =
+                    times(from.radiance, 1 / (std::numbers::pi_v<float> * from.density *
+                                              static_cast<float>(n)));
+            }
+            add_light(hits, lights, weights, col, pending);
+        }
+    }
+
+    [[nodiscard]] Environment::Sample environment_sample(std::size_t site,
+                                                         std::size_t sample,
+                                                         std::size_t k) const {
+        const std::size_t n = options_.environment_samples;
+        const auto words = philox4x32_10(
+            {static_cast<std::uint32_t>(site), static_cast<std::uint32_t>(sample),
+             static_cast<std::uint32_t>(k), 0xE7U},
+            {static_cast<std::uint32_t>(options_.seed),
+             static_cast<std::uint32_t>(options_.seed >> 32)});
+        const auto uniform = [](std::uint32_t word) {
+            return static_cast<float>(word >> 8) * 0x1p-24F;
+        };
+        const float stratum =
+            (static_cast<float>(kStratum[sample] * n + k) + uniform(words[0])) /
+            static_cast<float>(kSamples * n);
+        return scene_.environment->sample({stratum, uniform(words[1])});
+    }
+
+    /// What is seen past the object; what is seen of it is left pending.
     [[nodiscard]] Vector3 pixel(std::size_t r, std::size_t c, Pending& pending) const {
-        pending.points.clear();
-        pending.weights.clear();
         RTCRayHit16 rays{};
         std::array<Vector3, kSamples> directions;
         for (std::size_t i = 0; i < kSamples; ++i) {
@@ -288,29 +342,36 @@ class Picture {
             rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         geometry_.intersect(rays);
-        Vector3 total{};
+        Vector3 past{};
+        Hits hits;
+        bool any = false;
         for (std::size_t i = 0; i < kSamples; ++i) {
             if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
-                total = sum(total, background(directions[i]));
+                past = sum(past, background(directions[i]));
                 continue;
             }
+            any = true;
             const Vector3 to_eye = times(directions[i], -1);
-            const Frame frame = frame_at(
-                *scene_.mesh, rays.hit.primID[i], rays.hit.u[i], rays.hit.v[i],
-                sum(camera_.eye, times(directions[i], rays.ray.tfar[i])), to_eye);
-            Vector3 view = frame.local(to_eye);
+            hits.valid[i] = -1;
+            hits.frames[i] =
+                frame_at(*scene_.mesh, rays.hit.primID[i], rays.hit.u[i], rays.hit.v[i],
+                         sum(camera_.eye, times(directions[i], rays.ray.tfar[i])),
+                         {rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]}, to_eye);
+            Vector3 view = hits.frames[i].local(to_eye);
             view[2] = std::max(view[2], 1e-3F);
-            view = unit(view);
-            add_lights(frame, view, pending);
-            if (scene_.environment != nullptr)
-                add_environment(frame, view, r * options_.cols + c, i, pending);
+            hits.views[i] = unit(view);
         }
-        pending.values.resize(pending.points.size());
-        if (!pending.points.empty()) shade_(pending.points, pending.values);
-        for (std::size_t k = 0; k < pending.values.size(); ++k)
-            for (std::size_t band = 0; band < 3; ++band)
-                total[band] += pending.weights[k][band] * pending.values[k][band];
-        return times(total, 1.0F / kSamples);
+        if (!any) return past;
+        for (std::size_t k = 0; k < lights_.size(); ++k) {
+            std::array<Vector3, kSamples> lights;
+            std::array<Vector3, kSamples> weights;
+            lights.fill(lights_[k]);
+            weights.fill(times({1, 1, 1}, scene_.lights[k].strength));
+            add_light(hits, lights, weights, c, pending);
+        }
+        if (scene_.environment != nullptr)
+            add_environment(hits, r * options_.cols + c, c, pending);
+        return past;
     }
 
     const Scene& scene_;

@@ -58,10 +58,11 @@ Result<Evaluator> Evaluator::create(const Material& material,
             float* to = out.texels_.data() + k * pixels * 4 + b;
             for (std::size_t i = 0; i < pixels; ++i) to[4 * i] = from[i];
         }
-    if (material.surface && options.relief != Relief::none) {
+    if (material.surface) {
         out.mode_ = options.relief;
-        out.self_shadow_ = options.self_shadow;
+        out.self_shadow_ = options.self_shadow && options.relief != Relief::none;
         SATEEN_CHECK(out.take_surface(*material.surface, options.seed));
+        if (options.relief == Relief::none) out.delit_ = false;
         out.tabulate_shading();
     }
     return out;

@@ -164,6 +164,23 @@ TEST(Evaluate, HasTheMeanColourAndContrastOfTheReflectance) {
     }
 }
 
+// Uniform over the part of the hemisphere above `lowest`.
+Vec random_direction(std::mt19937_64& engine, float lowest) {
+    const auto uniform = [&] {
+        return static_cast<float>(static_cast<double>(engine() >> 11U) * 0x1p-53);
+    };
+    const float z = lowest + (1 - lowest) * uniform();
+    const float phi = 2 * std::numbers::pi_v<float> * uniform();
+    const float r = std::sqrt(1 - z * z);
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+std::vector<Vec> values_of(const Evaluator& e, const std::vector<ShadingPoint>& points) {
+    std::vector<Vec> values(points.size());
+    e.evaluate(points, values);
+    return values;
+}
+
 // A third of the texture is black, as where cast shadows fall.
 TEST(Evaluate, LowersContrastByAPowerThatKeepsMeanAndBlack) {
     Material m = two_subspaces(0.5F);
@@ -245,45 +262,97 @@ TEST(Evaluate, AWhitePlateStaysWhite) {
                         2e-3F)
                 << theta;
     }
+    std::mt19937_64 engine(5);
+    std::vector<ShadingPoint> points;
+    for (int i = 0; i < 100000; ++i)
+        points.push_back({0.01F * static_cast<float>(i), 0.3F,
+                          random_direction(engine, 0.01F),
+                          random_direction(engine, 0.01F)});
+    const std::vector<Vec> values = values_of(e, points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        ASSERT_NEAR(values[i][0], points[i].light[2], 2e-3F);
     EXPECT_EQ(e.evaluate({0, 0, at(0, 0), {1, 0, 0}})[0], 0);
     EXPECT_EQ(e.evaluate({0, 0, at(0, 0), {0, 0, -1}})[0], 0);
 }
 
-// f(l, v) = value / cos θ_l.
+// f(l, v) = value / cos θ_l of a million pairs, between directions and past the rim.
 TEST(Evaluate, ALambertianMaterialIsReciprocalAndReflectsItsAlbedo) {
     Material m = two_subspaces(0.05F);
     m.reflectance = lambertian(m, 0.8F, 0);
     const Evaluator e = evaluator_of(m);
-    for (const auto& [a, b] : {std::pair{at(15, 0), at(60, 90)}, {at(0, 0), at(75, 45)}})
-        EXPECT_NEAR(e.evaluate({0.5F, 0.5F, a, b})[0] / b[2],
-                    e.evaluate({0.5F, 0.5F, b, a})[0] / a[2], 0.002);
+    std::mt19937_64 engine(3);
+    std::vector<ShadingPoint> there;
+    std::vector<ShadingPoint> back;
+    for (int i = 0; i < 1000000; ++i) {
+        const Vec a = random_direction(engine, 0.05F);
+        const Vec b = random_direction(engine, 0.05F);
+        there.push_back({0.5F, 0.25F, a, b});
+        back.push_back({0.5F, 0.25F, b, a});
+    }
+    const std::vector<Vec> forth = values_of(e, there);
+    const std::vector<Vec> reverse = values_of(e, back);
+    float worst = 0;
+    float furthest = 0;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+        const float f = forth[i][0] / there[i].light[2];
+        worst = std::max(worst, std::abs(f - reverse[i][0] / back[i].light[2]));
+        furthest = std::max(furthest, std::abs(f - 0.8F));
+    }
+    EXPECT_LT(worst, 2e-3F);
+    EXPECT_LT(furthest, 2e-3F);
     // ∫ value dω / π over the hemisphere of lights, by the midpoint rule.
-    double sum = 0;
-    constexpr int kSteps = 60;
-    for (int i = 0; i < kSteps; ++i)
-        for (int j = 0; j < kSteps; ++j) {
-            const float z = (static_cast<float>(i) + 0.5F) / kSteps;
-            const float phi = 360 * (static_cast<float>(j) + 0.5F) / kSteps;
-            const Vec light = at(std::acos(z) / kRadiansPerDegree, phi);
-            sum += static_cast<double>(e.evaluate({0.1F, 0.2F, at(30, 0), light})[0]);
-        }
-    EXPECT_NEAR(2 * sum / (kSteps * kSteps), 0.8, 0.002);
+    for (const float theta : {0.0F, 30.0F, 60.0F, 85.0F}) {
+        std::vector<ShadingPoint> points;
+        constexpr int kSteps = 100;
+        for (int i = 0; i < kSteps; ++i)
+            for (int j = 0; j < kSteps; ++j) {
+                const float z = (static_cast<float>(i) + 0.5F) / kSteps;
+                const float phi = 360 * (static_cast<float>(j) + 0.5F) / kSteps;
+                points.push_back({0.1F, 0.2F, at(theta, 20),
+                                  at(std::acos(z) / kRadiansPerDegree, phi)});
+            }
+        double sum = 0;
+        for (const Vec& value : values_of(e, points))
+            sum += static_cast<double>(value[0]);
+        EXPECT_NEAR(2 * sum / (kSteps * kSteps), 0.8, 0.002) << theta;
+    }
 }
 
+// Steps of a hundredth of a degree, across the borders of triangles and the rim: what a
+// value changes by is in proportion.
 TEST(Evaluate, IsContinuousInDirections) {
     Material m = two_subspaces(0.05F);
     m.reflectance = lambertian(m, 0.8F, 0.2F);
+    // Neighbours differ as much as the encoding lets them.
+    std::mt19937_64 engine(4);
+    for (float& base : m.reflectance->base)
+        base += 0.2F * static_cast<float>(static_cast<double>(engine() >> 11U) * 0x1p-53);
     const Evaluator e = evaluator_of(m);
-    float before = 0;
-    for (int i = 0; i <= 3600; ++i) {
-        const float t = static_cast<float>(i) / 40;
-        const float value =
-            e.evaluate({0.3F, 0.4F, at(89 - 0.9F * t, 3 * t), at(t, 100 - t)})[0];
-        if (i > 0) {
-            ASSERT_NEAR(value, before, 0.01F) << t;
+    constexpr float kStep = 1.7e-4F;
+    std::vector<ShadingPoint> here;
+    std::vector<ShadingPoint> near;
+    for (int i = 0; i < 200000; ++i) {
+        const ShadingPoint p = {0.3F, 0.4F, random_direction(engine, 0.02F),
+                                random_direction(engine, 0.02F)};
+        ShadingPoint q = p;
+        for (Vec* d : {&q.view, &q.light}) {
+            const Vec step = random_direction(engine, 0);
+            float length = 0;
+            for (std::size_t c = 0; c < 3; ++c) {
+                (*d)[c] += kStep * step[c];
+                length += (*d)[c] * (*d)[c];
+            }
+            for (float& x : *d) x /= std::sqrt(length);
         }
-        before = value;
+        here.push_back(p);
+        near.push_back(q);
     }
+    const std::vector<Vec> a = values_of(e, here);
+    const std::vector<Vec> b = values_of(e, near);
+    float most = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        most = std::max(most, std::abs(a[i][0] - b[i][0]));
+    EXPECT_LT(most, 0.01F);
 }
 
 TEST(Evaluate, WithoutReflectanceItIsTheTexture) {
@@ -319,6 +388,46 @@ TEST(Evaluate, OneLightAnswersForAllByTheCosine) {
     EXPECT_NEAR(e.evaluate({0, 0, at(0, 0), at(30, 0)})[0], 0.5F, 1e-4);
     EXPECT_NEAR(e.evaluate({0, 0, at(0, 0), at(60, 90)})[0],
                 0.5F * 0.5F / std::cos(30 * kRadiansPerDegree), 1e-4);
+}
+
+// The formula as the theory has it, in double, from the public parts.
+TEST(Interpolation, BlendsAreThoseOfTheFormula) {
+    Material m = two_subspaces(0.1F);
+    m.reflectance = lambertian(m, 0.6F, 0.2F);
+    const Evaluator e = evaluator_of(m);
+    const DirectionMesh& views = *e.interpolation().views();
+    const DirectionMesh& lights = *e.interpolation().lights();
+    std::mt19937_64 engine(6);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec view = random_direction(engine, 0.02F);
+        const Vec light = random_direction(engine, 0.02F);
+        const Blend found = e.prepare(view, light).blend;
+        const DirectionWeights v = views.interpolate(view);
+        const DirectionWeights l = lights.interpolate(light);
+        std::array<double, 2> weight{};
+        double root = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const auto share = static_cast<double>(l.weight[j]);
+            root += share *
+                    std::cbrt(static_cast<double>(to_vector(m.lights[l.index[j]])[2]));
+            for (std::size_t k = 0; k < 3; ++k)
+                weight[e.interpolation().index()[l.index[j] * 81U + v.index[k]]] +=
+                    share * static_cast<double>(v.weight[k]);
+        }
+        for (std::size_t k = 0; k < found.count; ++k)
+            ASSERT_NEAR(found.weight[k], weight[found.subspace[k]], 2e-5);
+        const auto encoded =
+            static_cast<double>(encoded_appearance(*m.reflectance, v, l)[0]);
+        const double target =
+            std::min(4.0, static_cast<double>(light[2]) / (root * root * root)) *
+            encoded * encoded * encoded;
+        // The mean of the blend is brought to the target: by a line where the power is 1.
+        if (found.power != 1) continue;
+        const double mean = 0.5 * weight[0] + 0.25 * weight[1];
+        ASSERT_NEAR(static_cast<double>(found.offset[0]) +
+                        static_cast<double>(found.gain[0]) * mean,
+                    target, 0.02 * target);
+    }
 }
 
 TEST(Evaluate, ABatchGivesTheSameAsItsPoints) {

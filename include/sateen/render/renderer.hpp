@@ -44,6 +44,8 @@ struct Scene {
     const Environment* environment = nullptr;  ///< light, and what is seen behind
     Vector3 background_top = {0.16F, 0.17F, 0.19F};
     Vector3 background_bottom = {0.035F, 0.035F, 0.04F};
+    /// Shadow rays begin so far above the surface; objects have radius 1.
+    float shadow_lift = 1e-3F;
 };
 
 struct RenderOptions {
