@@ -232,14 +232,32 @@ std::vector<std::size_t> best_seen(const MeasurementInfo& info,
     return order;
 }
 
+/// The layer that several photographs of a material share.
+Result<std::optional<AlignedLayer>> find_shared_layer(
+    const Reader& reader, const std::vector<std::size_t>& photographs, Tone tone,
+    Executor& executor) {
+    std::vector<std::string> notes;
+    SATEEN_TRY(std::vector<Image> images, reader.read(photographs, notes));
+    for (Image& image : images) image = apply_tone(image, tone);
+    const SpectralTransform spectral = fit_spectral_transform(images, tone);
+    std::vector<std::optional<AlignedLayer>> layers;
+    for (Image& image : images) {
+        image = decorrelate(image, spectral);
+        SATEEN_TRY(std::optional<AlignedLayer> layer, align_layer(image, executor));
+        layers.push_back(std::move(layer));
+    }
+    return join_layers(std::move(layers), images, executor);
+}
+
 /// The periodic layer of a material: of the representative whose pattern is plainest.
-/// Several photographs of a material have no pixels in common: they are modelled without.
 Result<std::optional<AlignedLayer>> find_layer(const MeasurementInfo& info,
                                                const Reader& reader,
                                                const Representatives& representatives,
                                                Tone tone, Executor& executor) {
+    const auto& photographs = representatives.observations.front();
+    if (photographs.size() > 1)
+        return find_shared_layer(reader, photographs, tone, executor);
     std::optional<AlignedLayer> best;
-    if (representatives.observations.front().size() > 1) return best;
     for (const std::size_t i : best_seen(info, representatives)) {
         std::vector<std::string> notes;
         Result<std::vector<Image>> images = reader.read({i}, notes);
@@ -299,7 +317,15 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
         SATEEN_TRY(layer,
                    find_layer(info, reader, representatives, options.tone, executor));
     }
-    if (layer) material.structure = Structure{layer->layer};
+    if (layer) {
+        material.structure = Structure{layer->layer};
+        const std::size_t photographs = representatives.observations.front().size();
+        if (layer->photographs.size() < photographs)
+            result.notes.push_back("one pattern is in " +
+                                   std::to_string(layer->photographs.size()) + " of " +
+                                   std::to_string(photographs) +
+                                   " photographs: the others are left out");
+    }
 
     // 4. Factorise each representative and estimate its fields. The first subspace comes
     // first:

@@ -245,6 +245,14 @@ std::vector<Marginal> fit_marginals(const std::vector<Image>& images, std::size_
     return marginals;
 }
 
+/// Of all photographs those that have the pattern.
+std::vector<Image> chosen(std::vector<Image> images,
+                          const std::vector<std::size_t>& numbers) {
+    std::vector<Image> result;
+    for (const std::size_t number : numbers) result.push_back(std::move(images[number]));
+    return result;
+}
+
 /// The channels themselves.
 SpectralTransform untransformed(SpectralTransform spectral) {
     const std::size_t d = spectral.mean.size();
@@ -275,17 +283,20 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     const std::size_t levels = choose_levels(side, options);
 
     // 1. Spectral factorisation of the values in the tone.
+    if (layer != nullptr) images = chosen(std::move(images), layer->photographs);
     for (Image& image : images) image = apply_tone(image, options.tone);
     SubspaceFit fit;
     Subspace& subspace = fit.subspace;
-    Image patterned;
+    std::vector<Image> patterned;
     if (layer != nullptr) {
-        SeparatedImage separated =
-            separate(images.front(), *layer, options.tone, reference, executor);
+        SeparatedImages separated =
+            separate(images, *layer, options.tone, reference, executor);
         subspace.spectral = std::move(separated.spectral);
         subspace.structure = std::move(separated.structure);
         patterned = std::move(separated.planes);
-        images = {crop_to_lattice(std::move(separated.residual), levels)};
+        images.clear();
+        for (Image& residual : separated.residuals)
+            images.push_back(crop_to_lattice(std::move(residual), levels));
     } else {
         subspace.spectral = fit_spectral_transform(images, options.tone);
         const Space space =

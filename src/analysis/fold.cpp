@@ -14,23 +14,28 @@ constexpr std::size_t kParts = 8;
 
 }  // namespace
 
-Image fold(const Image& planes, const LatticeMap& map, const Image& displacement,
-           std::size_t P, std::size_t Q, Executor& executor, double first) {
-    const std::size_t d = planes.bands();
-    std::vector<Image> sums(kParts);
-    parallel_for(executor, kParts, [&](std::size_t part) {
-        sums[part] = Image(d + 1, P, Q);  // of the planes, then of the weights
-        Image& sum = sums[part];
+Image fold(std::span<const Image> images, const LatticeMap& map,
+           std::span<const Image> displacements, std::size_t P, std::size_t Q,
+           Executor& executor, double first) {
+    const std::size_t d = images.front().bands();
+    // Of the planes, then of the weights: all of a site together.
+    std::vector<std::vector<float>> sums(images.size() * kParts);
+    parallel_for(executor, sums.size(), [&](std::size_t number) {
+        const Image& planes = images[number / kParts];
+        const Image& displacement = displacements[number / kParts];
+        const std::size_t part = number % kParts;
+        std::vector<float>& sum = sums[number];
+        sum.resize(P * Q * (d + 1));
         const std::size_t end = (part + 1) * planes.rows() / kParts;
         for (std::size_t r = part * planes.rows() / kParts; r < end; ++r)
             for (std::size_t c = 0; c < planes.cols(); ++c) {
                 const auto u = phase_at(map, displacement, r, c);
                 const CellTaps taps(u[0], u[1], P, Q, first);
                 for (std::size_t k = 0; k < 4; ++k) {
+                    float* site = sum.data() + taps.sites[k] * (d + 1);
                     for (std::size_t plane = 0; plane < d; ++plane)
-                        sum.plane(plane).data[taps.sites[k]] +=
-                            taps.weights[k] * planes(plane, r, c);
-                    sum.plane(d).data[taps.sites[k]] += taps.weights[k];
+                        site[plane] += taps.weights[k] * planes(plane, r, c);
+                    site[d] += taps.weights[k];
                 }
             }
     });
@@ -40,10 +45,10 @@ Image fold(const Image& planes, const LatticeMap& map, const Image& displacement
         double pixels = 0;
         std::vector<double> weights(P * Q);
         std::vector<double> values(P * Q);
-        for (const Image& sum : sums)
+        for (const std::vector<float>& sum : sums)
             for (std::size_t i = 0; i < P * Q; ++i) {
-                values[i] += static_cast<double>(sum.plane(plane).data[i]);
-                weights[i] += static_cast<double>(sum.plane(d).data[i]);
+                values[i] += static_cast<double>(sum[i * (d + 1) + plane]);
+                weights[i] += static_cast<double>(sum[i * (d + 1) + d]);
             }
         for (std::size_t i = 0; i < P * Q; ++i) {
             total += values[i];

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "sateen/core/image.hpp"
 #include "sateen/core/parallel.hpp"
@@ -21,13 +22,14 @@ namespace sateen {
         static_cast<double>(c) + static_cast<double>(displacement(1, r, c)));
 }
 
-/// The mean of the pixels of each phase: every pixel is shared among the four sites around
-/// it, linearly. Sites without pixels become the mean of all.
+/// The mean of the pixels of each phase, of all images: every pixel is shared among the four
+/// sites around it, linearly. Sites without pixels become the mean of all.
+/// \param displacements  one an image
 /// \param first  phase of the first site, in steps
 /// \returns      (d, P, Q)
-[[nodiscard]] Image fold(const Image& planes, const LatticeMap& map,
-                         const Image& displacement, std::size_t P, std::size_t Q,
-                         Executor& executor, double first = 0);
+[[nodiscard]] Image fold(std::span<const Image> images, const LatticeMap& map,
+                         std::span<const Image> displacements, std::size_t P,
+                         std::size_t Q, Executor& executor, double first = 0);
 
 /// planes - cells at the phases of the pixels, linear between sites.
 [[nodiscard]] Image subtract_cells(const Image& planes, const LatticeMap& map,

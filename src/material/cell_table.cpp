@@ -52,6 +52,7 @@ CellTable::CellTable(const PeriodicLayer& layer, std::span<const PeriodicCell> c
     for (std::size_t plane = 0; plane < std::min(kPlanes, cells.size()); ++plane) {
         fill_means(plane, layer, cells[plane]);
         fill_deviations(plane, layer, cells[plane]);
+        fill_mixing(plane, layer, cells[plane]);
     }
 }
 
@@ -93,26 +94,41 @@ void CellTable::fill_means(std::size_t plane, const PeriodicLayer& layer,
         }
 }
 
+template <class Grid>
+void CellTable::fill_from(std::size_t P, std::size_t Q, std::size_t value,
+                          const Grid& grid) {
+    for (std::size_t y = 0; y < rows_; ++y)
+        for (std::size_t x = 0; x < cols_; ++x) {
+            const Between row = between(y, rows_, P);
+            const Between col = between(x, cols_, Q);
+            values_[(y * cols_ + x) * kValues + value] =
+                (1 - row.share) * ((1 - col.share) * grid(row.low * Q + col.low) +
+                                   col.share * grid(row.low * Q + col.high)) +
+                row.share * ((1 - col.share) * grid(row.high * Q + col.low) +
+                             col.share * grid(row.high * Q + col.high));
+        }
+}
+
 void CellTable::fill_deviations(std::size_t plane, const PeriodicLayer& layer,
                                 const PeriodicCell& cell) {
     const std::size_t P = deviation_side(layer.rows);
     const std::size_t Q = deviation_side(layer.cols);
-    for (std::size_t y = 0; y < rows_; ++y)
-        for (std::size_t x = 0; x < cols_; ++x) {
-            float& out = values_[(y * cols_ + x) * kValues + kPlanes + plane];
-            out = 1;
-            if (!(cell.deviation_step > 0)) continue;
-            const Between row = between(y, rows_, P);
-            const Between col = between(x, cols_, Q);
-            const auto s = [&](std::size_t i, std::size_t j) {
-                return cell.deviation_step *
-                       static_cast<float>(cell.deviations[i * Q + j]);
-            };
-            out = (1 - row.share) * ((1 - col.share) * s(row.low, col.low) +
-                                     col.share * s(row.low, col.high)) +
-                  row.share * ((1 - col.share) * s(row.high, col.low) +
-                               col.share * s(row.high, col.high));
-        }
+    fill_from(P, Q, kPlanes + plane, [&](std::size_t i) {
+        return cell.deviation_step > 0
+                   ? cell.deviation_step * static_cast<float>(cell.deviations[i])
+                   : 1.0F;
+    });
+}
+
+void CellTable::fill_mixing(std::size_t plane, const PeriodicLayer& layer,
+                            const PeriodicCell& cell) {
+    if (!(cell.mixing_step > 0)) return;
+    const std::size_t P = mixing_side(layer.rows);
+    const std::size_t Q = mixing_side(layer.cols);
+    for (std::size_t j = 0; j < plane; ++j)
+        fill_from(P, Q, mixing(plane, j), [&](std::size_t i) {
+            return cell.mixing_step * static_cast<float>(cell.mixing[j * P * Q + i]);
+        });
 }
 
 std::vector<float> plane_deviations(const Structure& structure,
@@ -120,21 +136,27 @@ std::vector<float> plane_deviations(const Structure& structure,
     const CellTable table(structure.periodic, subspace.structure->cells);
     const auto sites = static_cast<double>(table.rows() * table.cols());
     std::vector<float> deviations;
+    const auto square = [](float value) {
+        return static_cast<double>(value) * static_cast<double>(value);
+    };
     for (std::size_t plane = 0; plane < subspace.marginals.size(); ++plane) {
         double mean = 0;
         double squares = 0;
         double noise = 0;
         for (std::size_t r = 0; r < table.rows(); ++r)
             for (std::size_t c = 0; c < table.cols(); ++c) {
-                const auto m = static_cast<double>(table.site(r, c)[plane]);
-                const auto s =
-                    static_cast<double>(table.site(r, c)[CellTable::kPlanes + plane]);
-                mean += m / sites;
-                squares += m * m / sites;
-                noise += s * s / sites;
+                const float* site = table.site(r, c);
+                mean += static_cast<double>(site[plane]) / sites;
+                squares += square(site[plane]) / sites;
+                noise += square(site[CellTable::kPlanes + plane] *
+                                subspace.marginals[plane].scale) /
+                         sites;
+                for (std::size_t j = 0; j < plane; ++j)
+                    noise += square(site[CellTable::mixing(plane, j)] *
+                                    subspace.marginals[j].scale) /
+                             sites;
             }
-        const auto scale = static_cast<double>(subspace.marginals[plane].scale);
-        const double variance = squares - mean * mean + noise * scale * scale;
+        const double variance = squares - mean * mean + noise;
         deviations.push_back(static_cast<float>(std::sqrt(std::max(0.0, variance))));
     }
     return deviations;

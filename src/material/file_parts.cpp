@@ -19,7 +19,8 @@ std::size_t bytes(const Vectors*... vectors) {
 std::size_t structure_bytes(const schema::Structure& s) {
     return bytes(s.lattice(), s.field_deviations(), s.field_weights(), s.steps(),
                  s.counts(), s.low_bytes(), s.high_bytes(), s.deviation_steps(),
-                 s.deviations(), s.curve_ranges(), s.curve_exponents(), s.curve_values());
+                 s.deviations(), s.mixing_steps(), s.mixing(), s.curve_ranges(),
+                 s.curve_exponents(), s.curve_values());
 }
 
 }  // namespace

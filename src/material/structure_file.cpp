@@ -38,6 +38,8 @@ void append_cell(const PeriodicCell& cell, schema::StructureT& out) {
     out.deviation_steps.push_back(canonical(cell.deviation_step));
     out.deviations.insert(out.deviations.end(), cell.deviations.begin(),
                           cell.deviations.end());
+    out.mixing_steps.push_back(canonical(cell.mixing_step));
+    out.mixing.insert(out.mixing.end(), cell.mixing.begin(), cell.mixing.end());
     out.curve_ranges.push_back(canonical(cell.curve.low));
     out.curve_ranges.push_back(canonical(cell.curve.high));
     append_block(cell.curve.values, out.curve_values, out.curve_exponents);
@@ -75,6 +77,7 @@ class StructureReader {
                     at(in_.field_weights(), i * kWeights + k);
         }
         deviation_sites_ = deviation_side(layer.rows) * deviation_side(layer.cols);
+        mixing_sites_ = mixing_side(layer.rows) * mixing_side(layer.cols);
         return out;
     }
 
@@ -87,11 +90,15 @@ class StructureReader {
                                   2 * planes));
         SATEEN_CHECK(expect_count("structure.curve_exponents",
                                   count(in_.curve_exponents()), planes));
+        if (in_.mixing_steps() != nullptr)
+            SATEEN_CHECK(expect_count("structure.mixing_steps", count(in_.mixing_steps()),
+                                      planes));
         return expect_count("structure.high_bytes", count(in_.high_bytes()),
                             count(in_.low_bytes()));
     }
 
-    Result<void> read(std::size_t plane, PeriodicCell& out) {
+    /// \param number  of the plane in its subspace
+    Result<void> read(std::size_t plane, std::size_t number, PeriodicCell& out) {
         out.step = at(in_.steps(), plane);
         const std::size_t n = at(in_.counts(), plane);
         SATEEN_CHECK(expect_left("structure.low_bytes", count(in_.low_bytes()),
@@ -107,6 +114,15 @@ class StructureReader {
                                      deviations_read_, deviation_sites_));
             for (std::size_t i = 0; i < deviation_sites_; ++i)
                 out.deviations.push_back(at(in_.deviations(), deviations_read_++));
+        }
+        if (in_.mixing_steps() != nullptr)
+            out.mixing_step = at(in_.mixing_steps(), plane);
+        if (out.mixing_step != 0) {
+            const std::size_t sites = number * mixing_sites_;
+            SATEEN_CHECK(expect_left("structure.mixing", count(in_.mixing()),
+                                     mixing_read_, sites));
+            for (std::size_t i = 0; i < sites; ++i)
+                out.mixing.push_back(at(in_.mixing(), mixing_read_++));
         }
         out.curve.low = at(in_.curve_ranges(), 2 * plane);
         out.curve.high = at(in_.curve_ranges(), 2 * plane + 1);
@@ -124,6 +140,7 @@ class StructureReader {
                                   coefficients_read_));
         SATEEN_CHECK(expect_count("structure.deviations", count(in_.deviations()),
                                   deviations_read_));
+        SATEEN_CHECK(expect_count("structure.mixing", count(in_.mixing()), mixing_read_));
         return expect_count("structure.curve_values", count(in_.curve_values()),
                             values_read_);
     }
@@ -138,8 +155,10 @@ class StructureReader {
 
     const schema::Structure& in_;
     std::size_t deviation_sites_ = 0;
+    std::size_t mixing_sites_ = 0;
     std::size_t coefficients_read_ = 0;
     std::size_t deviations_read_ = 0;
+    std::size_t mixing_read_ = 0;
     std::size_t values_read_ = 0;
 };
 
@@ -157,6 +176,9 @@ std::unique_ptr<schema::StructureT> pack_structure(const Material& material) {
     for (const Subspace& subspace : material.subspaces)
         for (const PeriodicCell& cell : subspace.structure->cells)
             append_cell(cell, *out);
+    if (std::all_of(out->mixing_steps.begin(), out->mixing_steps.end(),
+                    [](float step) { return step == 0; }))
+        out->mixing_steps.clear();
     return out;
 }
 
@@ -168,10 +190,10 @@ Result<void> unpack_structure(const schema::Structure& in, Material& out) {
         auto& cells = out.subspaces[k].structure.emplace().cells;
         cells.resize(out.bands);
         for (std::size_t plane = 0; plane < out.bands; ++plane)
-            SATEEN_CHECK(
-                in_element("subspace", k,
-                           in_element("plane", plane,
-                                      reader.read(k * out.bands + plane, cells[plane]))));
+            SATEEN_CHECK(in_element(
+                "subspace", k,
+                in_element("plane", plane,
+                           reader.read(k * out.bands + plane, plane, cells[plane]))));
     }
     return reader.check_all_read();
 }

@@ -67,7 +67,21 @@ Result<void> check_curve(const ToneCurve& curve) {
     return {};
 }
 
-Result<void> check_cell(const PeriodicCell& cell, const PeriodicLayer& layer) {
+/// \param plane  of the cell: it has a grid for each before it
+Result<void> check_grids(const PeriodicCell& cell, const PeriodicLayer& layer,
+                         std::size_t plane) {
+    const std::size_t sites = deviation_side(layer.rows) * deviation_side(layer.cols);
+    SATEEN_CHECK(check_range("deviation step", cell.deviation_step, 0, kMaxMagnitude));
+    SATEEN_CHECK(expect_count("deviation cell", cell.deviations.size(),
+                              cell.deviation_step > 0 ? sites : 0));
+    const std::size_t mixing_sites = mixing_side(layer.rows) * mixing_side(layer.cols);
+    SATEEN_CHECK(check_range("mixing step", cell.mixing_step, 0, kMaxMagnitude));
+    return expect_count("mixing cell", cell.mixing.size(),
+                        cell.mixing_step > 0 ? plane * mixing_sites : 0);
+}
+
+Result<void> check_cell(const PeriodicCell& cell, const PeriodicLayer& layer,
+                        std::size_t plane) {
     SATEEN_CHECK(check_range("cell step", cell.step, 0, kMaxMagnitude));
     // The constant, then pairs; none at all for a plane without a pattern.
     const std::size_t most = 2 * half_plane_order(layer.rows, layer.cols).size() - 1;
@@ -76,11 +90,7 @@ Result<void> check_cell(const PeriodicCell& cell, const PeriodicLayer& layer) {
         return bad_format("cell: ", text(count),
                           " coefficients, expected 0 or an odd number up to ",
                           text(most));
-    SATEEN_CHECK(check_range("deviation step", cell.deviation_step, 0, kMaxMagnitude));
-    const std::size_t sites =
-        cell.deviation_step > 0 ? deviation_side(layer.rows) * deviation_side(layer.cols)
-                                : 0;
-    SATEEN_CHECK(expect_count("deviation cell", cell.deviations.size(), sites));
+    SATEEN_CHECK(check_grids(cell, layer, plane));
     return check_curve(cell.curve);
 }
 
@@ -90,8 +100,8 @@ Result<void> check_subspace(const Subspace& subspace, const Structure& structure
     const auto& cells = subspace.structure->cells;
     SATEEN_CHECK(expect_count("cells", cells.size(), subspace.marginals.size()));
     for (std::size_t plane = 0; plane < cells.size(); ++plane)
-        SATEEN_CHECK(
-            in_element("plane", plane, check_cell(cells[plane], structure.periodic)));
+        SATEEN_CHECK(in_element("plane", plane,
+                                check_cell(cells[plane], structure.periodic, plane)));
     return {};
 }
 

@@ -219,11 +219,14 @@ void apply_periodic_layer(const Structure& structure, const Subspace& subspace,
         window.phases(r, u, v);
         for (std::size_t c = 0; c < planes.cols; ++c) {
             const auto cell = table.at(u[c], v[c]);
+            std::array<float, CellTable::kPlanes> R{};
             for (std::size_t plane = 0; plane < planes.bands; ++plane) {
                 float& value = planes.plane(plane).row(r)[c];
-                const float residual = apply(subspace.marginals[plane], value);
-                value = apply(cells[plane].curve,
-                              cell[plane] + cell[CellTable::kPlanes + plane] * residual);
+                R[plane] = apply(subspace.marginals[plane], value);
+                float x = cell[plane] + cell[CellTable::kPlanes + plane] * R[plane];
+                for (std::size_t j = 0; j < plane; ++j)
+                    x += cell[CellTable::mixing(plane, j)] * R[j];
+                value = apply(cells[plane].curve, x);
             }
         }
     });

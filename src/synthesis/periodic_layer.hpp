@@ -69,7 +69,7 @@ class PeriodicPhase {
     std::array<SmoothLattice, 2> displacement_;
 };
 
-/// X = c(m(u) + s(u) q(g)) in place: standard normal fields g in, planes out, to which only
+/// X = c(m(u) + s(u) q(g) + Σ l(u) q(g)) in place: standard normal fields g in, planes out, to which only
 /// the spectral transform and the tone are left to be applied.
 /// \param planes  the window whose top left pixel is (row, col)
 /// \cost  about 30 ns a pixel

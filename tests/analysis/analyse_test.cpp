@@ -187,6 +187,42 @@ TEST(Analyse, PoolsPhotographsOfDifferentSize) {
                 0.02 * std::sqrt(model_variance(test::quarter_plane_field())), 0.002);
 }
 
+TEST(Analyse, FindsThePatternThatPhotographsShare) {
+    // Two windows of one weave, and discs, which have no pattern.
+    const Image whole = test::weave(300, 300, 14.3, 5);
+    std::vector<Image> photographs;
+    for (const std::size_t first : {std::size_t{0}, std::size_t{101}}) {
+        Image& part = photographs.emplace_back(3, 180, 180);
+        for (std::size_t band = 0; band < 3; ++band)
+            for (std::size_t r = 0; r < 180; ++r)
+                for (std::size_t c = 0; c < 180; ++c)
+                    part(band, r, c) = whole(band, first + r, first + c);
+    }
+    photographs.push_back(test::discs(180, 180, 1));
+    const Analysis analysis = analysed(SyntheticMeasurement(photographs));
+    ASSERT_TRUE(analysis.material.structure.has_value());
+    EXPECT_THAT(analysis.notes,
+                testing::Contains(testing::HasSubstr("in 2 of 3 photographs")));
+    // The weave repeats after 14.3 columns, hence after 43 nearly: so does what is drawn.
+    const Image drawn = textured(analysis.material, 143, true);
+    double power = 0;
+    double moved = 0;
+    double mean = 0;
+    for (std::size_t i = 0; i < drawn.plane_size(); ++i)
+        mean += static_cast<double>(drawn.plane(1).data[i]) /
+                static_cast<double>(drawn.plane_size());
+    for (std::size_t r = 0; r < 143; ++r)
+        for (std::size_t c = 0; c < 143; ++c) {
+            const double here = static_cast<double>(drawn(1, r, c)) - mean;
+            power += here * here;
+            moved += here * (static_cast<double>(drawn(1, r, (c + 43) % 143)) - mean);
+        }
+    EXPECT_GT(moved / power, 0.3);
+    const Analysis plain =
+        analysed(SyntheticMeasurement(photographs), {.structure = false});
+    EXPECT_FALSE(plain.material.structure.has_value());
+}
+
 TEST(Analyse, LevelsHaveThePowerOfTheGaussianisedPlane) {
     const auto analysis =
         analysed(SyntheticMeasurement({test::grey_noise(128, 128, 50, 8, 4)}),

@@ -211,7 +211,8 @@ std::vector<Golden> golden_files() {
     return {{"photograph.sateen", test::golden_photograph()},
             {"grid.sateen", test::golden_grid()},
             {"incomplete.sateen", test::golden_incomplete()},
-            {"surface.sateen", test::golden_surface()}};
+            {"surface.sateen", test::golden_surface()},
+            {"structure.sateen", test::golden_structure()}};
 }
 
 TEST(GoldenMaterial, FilesOfVersion1HoldWhatTheyHeld) {

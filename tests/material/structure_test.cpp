@@ -81,6 +81,11 @@ TEST(ValidateStructure, NamesEachFault) {
          [&](Material& m) { cell(m).coefficients.resize(2001); }},
         {"deviation cell: 41 entries, expected 40",
          [&](Material& m) { cell(m).deviations.push_back(0); }},
+        {"mixing step: nan", [&](Material& m) { cell(m).mixing_step = kNan; }},
+        {"mixing cell: 49 entries, expected 48",
+         [&](Material& m) { cell(m).mixing.push_back(0); }},
+        {"mixing cell: 48 entries, expected 0",
+         [&](Material& m) { cell(m).mixing_step = 0; }},
         {"curve: 15 entries", [&](Material& m) { cell(m).curve.values.pop_back(); }},
         {"expected it to rise", [&](Material& m) { cell(m).curve.high = -7; }},
         {"expected no descent", [&](Material& m) { cell(m).curve.values[3] = 9; }},
@@ -110,6 +115,22 @@ TEST(StructureFile, APlaneWithoutAPatternTakesAFewBytes) {
     const auto again = read_material(*payload);
     ASSERT_TRUE(again);
     EXPECT_EQ(again->subspaces[0].structure->cells[1], PeriodicCell{});
+}
+
+TEST(StructureFile, NothingMixedTakesNoBytes) {
+    Material m = structured();
+    for (Subspace& subspace : m.subspaces)
+        for (PeriodicCell& cell : subspace.structure->cells) {
+            cell.mixing_step = 0;
+            cell.mixing.clear();
+        }
+    const auto payload = write_material(m);
+    ASSERT_TRUE(payload);
+    EXPECT_TRUE(schema::UnPackSizePrefixedMaterial(payload->data())
+                    ->structure->mixing_steps.empty());
+    const auto again = read_material(*payload);
+    ASSERT_TRUE(again);
+    EXPECT_TRUE(again->subspaces[1].structure->cells[2].mixing.empty());
 }
 
 TEST(StructureFile, LargeCoefficientsOfEitherSignAreKept) {
@@ -145,6 +166,13 @@ TEST(HostileStructure, CountsThatDoNotFitTogetherAreRejected) {
          [](auto& t) { t.deviations.pop_back(); }},
         {"structure.deviations: 240 entries, expected 200",
          [](auto& t) { t.deviation_steps[0] = 0; }},
+        {"structure.mixing_steps: 5", [](auto& t) { t.mixing_steps.pop_back(); }},
+        {"structure.mixing: 143 entries, expected at least 144",
+         [](auto& t) { t.mixing.pop_back(); }},
+        {"structure.mixing: 144 entries, expected 120",
+         [](auto& t) { t.mixing_steps[1] = 0; }},
+        {"structure.mixing: 144 entries, expected 0",
+         [](auto& t) { t.mixing_steps.clear(); }},
         {"structure.curve_ranges: 11", [](auto& t) { t.curve_ranges.pop_back(); }},
         {"structure.curve_exponents: 5", [](auto& t) { t.curve_exponents.pop_back(); }},
         {"structure.curve_values: 95", [](auto& t) { t.curve_values.pop_back(); }},

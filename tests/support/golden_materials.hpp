@@ -95,4 +95,41 @@ inline Material golden_surface() {
     return m;
 }
 
+/// The photograph with a pattern: a bent lattice, cells with all their parts, and one plane
+/// without any.
+inline Material golden_structure() {
+    Material m = golden_photograph();
+    m.provenance.name = "structure";
+    PeriodicLayer layer;
+    layer.a = {0.5F, 10};
+    layer.b = {12.25F, -2};
+    layer.rows = 10;
+    layer.cols = 12;
+    layer.spacing = 4;
+    layer.displacement[0].deviation = 0.75F;
+    layer.displacement[0].weights[7] = 255;
+    layer.displacement[1].deviation = 0.5F;
+    layer.displacement[1].weights = {200, 0, 0, 55};
+    m.structure = Structure{layer};
+    SubspaceStructure& structure = m.subspaces[0].structure.emplace();
+    structure.cells.resize(3);
+    for (std::size_t plane = 0; plane < 2; ++plane) {
+        PeriodicCell& cell = structure.cells[plane];
+        cell.step = 1.0F / 64;
+        cell.coefficients = {-3, 20, -300, 0, 7, -1, 1};
+        cell.deviation_step = 1.0F / 128;
+        for (unsigned i = 0; i < deviation_side(10) * deviation_side(12); ++i)
+            cell.deviations.push_back(static_cast<std::uint8_t>(64 + 10 * i));
+        if (plane == 1) {
+            cell.mixing_step = 1.0F / 256;
+            cell.mixing = {127, -127, 1, 0, 64, -64, 2, -1, 5};
+        }
+        cell.curve.low = -0.5F;
+        cell.curve.high = 0.75F;
+        for (int i = 0; i < static_cast<int>(ToneCurve::kKnots); ++i)
+            cell.curve.values.push_back(static_cast<float>(i * i) / 256 - 0.5F);
+    }
+    return m;
+}
+
 }  // namespace sateen::test

@@ -28,7 +28,7 @@ struct RandomMaterialOptions {
     /// Of the fields, by number in FieldModel; joint ones draw all planes.
     std::size_t model = 0;
     bool structure = false;  ///< a periodic layer
-    std::size_t tiles = 0;  ///< of the range map; 0 for none
+    std::size_t tiles = 0;   ///< of the range map; 0 for none
     std::size_t rank = 0;    ///< of a reflectance, where not 0
 };
 
@@ -137,11 +137,11 @@ class RandomMaterial {
         for (Subspace& subspace : m.subspaces) {
             subspace.structure.emplace();
             for (std::size_t plane = 0; plane < m.bands; ++plane)
-                subspace.structure->cells.push_back(cell(layer));
+                subspace.structure->cells.push_back(cell(layer, plane));
         }
     }
 
-    PeriodicCell cell(const PeriodicLayer& layer) {
+    PeriodicCell cell(const PeriodicLayer& layer, std::size_t plane) {
         PeriodicCell out;
         out.step = uniform(0.0001F, 0.001F);
         for (std::size_t i = 0; i < 41; ++i)
@@ -151,6 +151,11 @@ class RandomMaterial {
         const std::size_t sites = deviation_side(layer.rows) * deviation_side(layer.cols);
         for (std::size_t i = 0; i < sites; ++i)
             out.deviations.push_back(static_cast<std::uint8_t>(below(256)));
+        if (plane > 0) out.mixing_step = uniform(0.001F, 0.004F);
+        for (std::size_t i = 0;
+             i < plane * mixing_side(layer.rows) * mixing_side(layer.cols); ++i)
+            out.mixing.push_back(
+                static_cast<std::int8_t>(static_cast<int>(below(255)) - 127));
         out.curve.low = uniform(-1, -0.5F);
         out.curve.high = uniform(0.5F, 1);
         for (std::size_t i = 0; i < ToneCurve::kKnots; ++i)
@@ -276,8 +281,7 @@ inline std::vector<Material> assorted_materials() {
         random_material(
             {.seed = 10, .subspaces = 2, .views = 2, .lights = 2, .structure = true}),
         random_material({.seed = 11, .levels = 2, .views = 2, .lights = 3, .tiles = 4}),
-        random_material(
-            {.seed = 12, .subspaces = 2, .views = 7, .lights = 5, .rank = 3}),
+        random_material({.seed = 12, .subspaces = 2, .views = 7, .lights = 5, .rank = 3}),
         random_material({.seed = 13,
                          .levels = 2,
                          .bands = 1,

@@ -75,6 +75,52 @@ TEST(CellTable, IsTheFourierSeriesOfTheFormat) {
         }
 }
 
+/// X_1 = s_1 R_1 + l_10 R_0 of the format, at a site of the mixing cell.
+TEST(CellTable, HoldsTheMixingOfThePlanes) {
+    PeriodicLayer layer;
+    layer.rows = layer.cols = 8;
+    std::vector<PeriodicCell> cells(3);
+    cells[1].mixing_step = 0.5F;
+    cells[1].mixing = {1, -2, 3, 127};
+    cells[2].mixing_step = 0.25F;
+    cells[2].mixing = {0, 0, 0, 0, 4, 4, 4, 4};
+    const CellTable table(layer, cells);
+    // Sites of the 2 x 2 grid are a quarter of the cell from the border.
+    EXPECT_EQ(table.site(8, 8)[CellTable::mixing(1, 0)], 0.5F * (1 - 2 + 3 + 127) / 4);
+    const auto at = table.at(0.25, 0.25);
+    EXPECT_NEAR(at[CellTable::mixing(1, 0)], 0.5, 1e-6);
+    EXPECT_NEAR(table.at(0.75, 0.75)[CellTable::mixing(1, 0)], 63.5, 1e-5);
+    EXPECT_NEAR(at[CellTable::mixing(2, 0)], 0, 1e-6);
+    EXPECT_NEAR(at[CellTable::mixing(2, 1)], 1, 1e-6);
+}
+
+TEST(PeriodicLayer, MixesTheFieldsOfThePlanes) {
+    Material m = structured();
+    Structure& structure = *m.structure;
+    for (PeriodicCell& cell : m.subspaces[0].structure->cells) cell = {};
+    PeriodicCell& mixed = m.subspaces[0].structure->cells[2];
+    mixed.mixing_step = 0.01F;
+    const std::size_t sites =
+        mixing_side(structure.periodic.rows) * mixing_side(structure.periodic.cols);
+    mixed.mixing.assign(2 * sites, 50);
+    m.subspaces[0].marginals.assign(3, {1, {}});
+    SerialExecutor executor;
+    const auto phase = PeriodicPhase::create(structure.periodic, 1, {}, executor);
+    ASSERT_TRUE(phase);
+    Image planes(3, 4, 4);
+    for (std::size_t plane = 0; plane < 3; ++plane)
+        for (std::size_t i = 0; i < 16; ++i)
+            planes.plane(plane).data[i] = static_cast<float>(plane + 1 + i);
+    apply_periodic_layer(structure, m.subspaces[0], *phase, 0, 0, planes.view(),
+                         executor);
+    for (std::size_t i = 0; i < 16; ++i) {
+        const auto g = static_cast<float>(i);
+        EXPECT_NEAR(planes.plane(0).data[i], g + 1, 1e-5);
+        EXPECT_NEAR(planes.plane(1).data[i], g + 2, 1e-5);
+        EXPECT_NEAR(planes.plane(2).data[i], g + 3 + 0.5F * (2 * g + 3), 1e-4);
+    }
+}
+
 TEST(PeriodicPhase, OfATorusReturnsToItselfInWholeCells) {
     SerialExecutor executor;
     const Material m = structured();

@@ -47,18 +47,26 @@ class LatticeMap {
     std::array<double, 4> inverse_{};
 };
 
-/// m and s of up to three planes, sampled twice as finely as the cell, and read linearly
+/// m, s and l of up to three planes, sampled twice as finely as the cell, and read linearly
 /// between the samples.
 class CellTable {
   public:
     static constexpr std::size_t kPlanes = 3;
-    static constexpr std::size_t kValues = 2 * kPlanes;
+    static constexpr std::size_t kMixing = 2 * kPlanes;  ///< the first l
+    static constexpr std::size_t kValues = kMixing + kPlanes * (kPlanes - 1) / 2;
     static constexpr std::size_t kOversampling = 2;
+
+    using Values = std::array<float, kValues>;
 
     CellTable(const PeriodicLayer& layer, std::span<const PeriodicCell> cells);
 
-    /// m of the planes, then s, at (u, v): any numbers, taken mod 1.
-    [[nodiscard]] std::array<float, kValues> at(double u, double v) const {
+    /// Where l_ij, j < i, is among the values.
+    [[nodiscard]] static constexpr std::size_t mixing(std::size_t i, std::size_t j) {
+        return kMixing + i * (i - 1) / 2 + j;
+    }
+
+    /// m of the planes, then s, then l, at (u, v): any numbers, taken mod 1.
+    [[nodiscard]] Values at(double u, double v) const {
         const double r = (u - whole_part(u)) * static_cast<double>(rows_);
         const double c = (v - whole_part(v)) * static_cast<double>(cols_);
         auto row = static_cast<std::size_t>(r);
@@ -78,7 +86,7 @@ class CellTable {
         const float w01 = (1 - dr) * dc;
         const float w10 = dr * (1 - dc);
         const float w11 = dr * dc;
-        std::array<float, kValues> result;
+        Values result;
         for (std::size_t i = 0; i < kValues; ++i)
             result[i] = w00 * top_left[i] + w01 * top_right[i] + w10 * bottom_left[i] +
                         w11 * bottom_right[i];
@@ -96,14 +104,19 @@ class CellTable {
                     const PeriodicCell& cell);
     void fill_deviations(std::size_t plane, const PeriodicLayer& layer,
                          const PeriodicCell& cell);
+    void fill_mixing(std::size_t plane, const PeriodicLayer& layer,
+                     const PeriodicCell& cell);
+    /// Sets a value of all samples from a (P, Q) grid, read linearly between its sites.
+    template <class Grid>
+    void fill_from(std::size_t P, std::size_t Q, std::size_t value, const Grid& grid);
 
     std::size_t rows_;
     std::size_t cols_;
     std::vector<float> values_;
 };
 
-/// The deviation of m(u) + s(u) q(g), u uniform, of every plane of a subspace of a material
-/// with a structure: what its pattern and its residual have together.
+/// The deviation of m(u) + s(u) q(g) + Σ l(u) q(g), u uniform, of every plane of a subspace
+/// of a material with a structure: what its pattern and its residual have together.
 [[nodiscard]] std::vector<float> plane_deviations(const Structure& structure,
                                                   const Subspace& subspace);
 

@@ -57,22 +57,33 @@ struct ToneCurve {
 
 /// The periodic layer of one plane of one subspace,
 ///
-///     X(x) = c(m(u) + s(u) R(x)),   R the residual field after its marginal curve
+///     X_i(x) = c_i(m_i(u) + s_i(u) R_i(x) + Σ_{j<i} l_ij(u) R_j(x))
 ///
-/// m is a truncated Fourier series over the cell: the coefficients of half_plane_order(),
-/// quantised; s a coarse grid.
+/// R_i the residual field of plane i after its marginal curve. m is a truncated Fourier
+/// series over the cell: the coefficients of half_plane_order(), quantised; s and l are coarse
+/// grids. l turns the colours of the residual from place to place: threads of two colours
+/// vary along two lines.
 struct PeriodicCell {
     float step = 0;                          ///< of the quantiser of m
     std::vector<std::int16_t> coefficients;  ///< multiples of it: a real part, or a pair
     float deviation_step = 0;                ///< of s; 0: s = 1 everywhere
     std::vector<std::uint8_t> deviations;    ///< deviation_side() of rows · of cols
-    ToneCurve curve;                         ///< c
+    float mixing_step = 0;                   ///< of l; 0: l = 0 everywhere
+    std::vector<std::int8_t>
+        mixing;       ///< mixing_side() of rows · of cols, for every j < i
+    ToneCurve curve;  ///< c
     friend bool operator==(const PeriodicCell&, const PeriodicCell&) = default;
 };
 
 /// The grid of a deviation cell is a third as fine as that of the mean cell.
 [[nodiscard]] constexpr std::size_t deviation_side(std::size_t side) {
     return (side + 2) / 3;
+}
+
+/// That of a mixing cell a quarter: finer ones would give the colours of a plane the fine
+/// detail of another.
+[[nodiscard]] constexpr std::size_t mixing_side(std::size_t side) {
+    return (side + 3) / 4;
 }
 
 /// A frequency of the mean cell: the harmonic e^{2πi (m u + n v)}.
