@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 #include "sateen/analysis/analyse.hpp"
@@ -26,18 +27,19 @@ inline void check_or_exit(const Result<void>& result) {
     std::exit(1);
 }
 
-/// One colour photograph of overlapping discs, in memory.
+/// One photograph in memory: of overlapping discs, or what is given.
 class GeneratedPhotograph final : public Measurement {
   public:
     GeneratedPhotograph(std::size_t rows, std::size_t cols)
-        : image_(test::discs(rows, cols, 1)) {
-        info_.name = "discs";
+        : GeneratedPhotograph("discs", test::discs(rows, cols, 1)) {}
+    GeneratedPhotograph(const std::string& name, Image image) : image_(std::move(image)) {
+        info_.name = name;
         info_.layout = "photograph";
-        info_.rows = rows;
-        info_.cols = cols;
+        info_.rows = image_.rows();
+        info_.cols = image_.cols();
         info_.bands = image_.bands();
         info_.observations.resize(1);
-        info_.observations[0].name = "discs";
+        info_.observations[0].name = name;
     }
     [[nodiscard]] const MeasurementInfo& info() const override { return info_; }
     [[nodiscard]] Result<Image> read(std::size_t) const override { return image_; }
