@@ -49,9 +49,11 @@ class GeneratedPhotograph final : public Measurement {
     MeasurementInfo info_;
 };
 
-/// The material of such a photograph, its one subspace repeated.
-inline Material generated_material(std::size_t subspaces,
-                                   const AnalysisOptions& options = {}) {
+/// The material of such a photograph, its one subspace repeated; of Gaussian fields, whose
+/// cost is what most benchmarks are about.
+inline Material generated_material(std::size_t subspaces, AnalysisOptions options = {},
+                                   bool modulated = false) {
+    options.modulation = modulated;
     const GeneratedPhotograph photograph(512, 512);
     SerialExecutor executor;
     Progress progress;

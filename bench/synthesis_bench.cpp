@@ -68,6 +68,43 @@ Figure one_texture(FieldKind field, const char* name) {
          {"noise_and_transforms_ms", noise.milliseconds()}}};
 }
 
+double time_texture(const Material& material, bool tileable) {
+    SynthesisOptions options;
+    options.rows = options.cols = kSide;
+    options.tileable = tileable;
+    SerialExecutor executor;
+    Progress progress;
+    return processor_seconds([&] {
+        check_or_exit(synthesise(
+            material, 0, options,
+            [](std::size_t, ImageView<const float>) -> Result<void> { return {}; },
+            executor, progress));
+    });
+}
+
+/// What the modulation of bands adds; a window needs a margin about it, too.
+Figure modulated_texture(const std::string& name, bool tileable, double limit) {
+    const Material plain = generated_material(1);
+    const Material modulated = generated_material(1, {}, true);
+    if (!modulated.modulation) {
+        std::fprintf(stderr, "bench: error: the photograph is not modulated\n");
+        std::exit(1);
+    }
+    Shortest without;
+    Shortest with;
+    for (int i = 0; i < kRepeats / 2; ++i) {
+        without.add(time_texture(plain, tileable));
+        with.add(time_texture(modulated, tileable));
+    }
+    return {
+        name,
+        with.seconds() / without.seconds(),
+        "x",
+        limit,
+        Figure::Bound::at_most,
+        {{"gaussian_ms", without.milliseconds()}, {"texture_ms", with.milliseconds()}}};
+}
+
 double time_tiles(const Material& material, std::size_t threads) {
     SynthesisOptions options;
     options.rows = options.cols = kSide;
@@ -148,6 +185,10 @@ int main(int argc, char** argv) {
     figures.push_back(sateen::bench::one_texture(FieldKind::gmrf2d, "gmrf2d"));
     figures.push_back(sateen::bench::one_texture(FieldKind::car3d, "car3d"));
     figures.push_back(sateen::bench::one_texture(FieldKind::sar3d, "sar3d"));
+    figures.push_back(sateen::bench::modulated_texture(
+        "texture of 512 x 512, bands modulated, to the Gaussian one", true, 5));
+    figures.push_back(sateen::bench::modulated_texture(
+        "window of 512 x 512, bands modulated, to the Gaussian one", false, 5));
     figures.push_back(sateen::bench::fifteen_subspaces());
     sateen::bench::print("synthesis", figures);
 }

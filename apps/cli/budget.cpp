@@ -55,6 +55,9 @@ std::vector<Saving> savings_of(const AnalysisOptions& options, const Material& m
     if (options.levels == 0 && levels > 3)
         savings.push_back({"3 levels", [](AnalysisOptions& o) { o.levels = 3; },
                            smallest * 3 / static_cast<double>(levels)});
+    if (options.modulation && material.modulation)
+        savings.push_back(
+            {"no band modulation", [](AnalysisOptions& o) { o.modulation = false; }, 0});
     if (options.structure && material.structure)
         savings.push_back(
             {"no periodic layer", [](AnalysisOptions& o) { o.structure = false; }, 0});

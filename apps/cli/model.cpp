@@ -81,7 +81,7 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
     if (arguments.neighbourhood != "auto") {
         SATEEN_TRY(options.neighbourhood, parse_neighbourhood(arguments.neighbourhood));
     }
-    options.structure = arguments.structure == "auto";
+    options.structure = options.modulation = arguments.structure == "auto";
     options.seed = arguments.common.seed;
     options.skip_bad = arguments.skip_bad;
     return options;
@@ -293,7 +293,8 @@ Verb add_model(CLI::App& program) {
             return parsed ? std::string() : parsed.error().message;
         });
     verb->add_option("--structure", arguments->structure,
-                     "Patterns that repeat: auto, or none for purely random fields")
+                     "Patterns that repeat and bands that vary: auto, or none for Gaussian\n"
+                     "fields alone")
         ->type_name("KIND")
         ->check(CLI::IsMember({"auto", "none"}))
         ->capture_default_str();

@@ -26,13 +26,14 @@ Result<std::size_t> bytes_of_subspace(const Material& material, std::size_t numb
     alone.bands = material.bands;
     alone.drawing = material.drawing;
     alone.structure = material.structure;
+    alone.modulation = material.modulation;
     alone.subspaces = {material.subspaces[number]};
     alone.subspaces[0].view = alone.subspaces[0].light = 0;
     SATEEN_TRY(const auto parts, material_part_bytes(alone));
     std::size_t bytes = 0;
     for (const PartBytes& part : parts)
         for (const std::string_view own :
-             {"spectral transforms", "marginals", "fields", "structure"})
+             {"spectral transforms", "marginals", "fields", "structure", "modulation"})
             if (part.part == own) bytes += part.bytes;
     return bytes;
 }

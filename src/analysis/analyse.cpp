@@ -338,12 +338,14 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
     std::mutex mutex;
     std::size_t finished = 0;
     const SpectralTransform* reference = nullptr;
+    std::optional<SharedModulation> modulation;
     const auto fit = [&](std::size_t k) {
         std::vector<std::string> notes;
         Result<std::vector<Image>> images =
             reader.read(representatives.observations[k], notes);
         fits[k] = images ? fit_subspace(std::move(*images), fields, reference,
-                                        layer ? &*layer : nullptr, executor)
+                                        layer ? &*layer : nullptr,
+                                         modulation ? &*modulation : nullptr, executor)
                          : Result<SubspaceFit>(std::move(images).error());
         const std::lock_guard lock(mutex);
         if (*fits[k])
@@ -352,7 +354,12 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
         progress.report(static_cast<double>(++finished), static_cast<double>(count));
     };
     fit(0);
-    if (*fits[0]) reference = &(*fits[0])->subspace.spectral;
+    if (*fits[0]) {
+        reference = &(*fits[0])->subspace.spectral;
+        modulation = (*fits[0])->modulation;
+        fields.modulation = modulation.has_value();
+        if (modulation) material.modulation = modulation->fields;
+    }
     parallel_for(executor, count - 1, [&](std::size_t k) {
         if (!progress.cancelled()) fit(k + 1);
     });

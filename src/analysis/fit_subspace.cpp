@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/band_modulation.hpp"
 #include "analysis/fit_field.hpp"
 #include "analysis/window.hpp"
 #include "sateen/analysis/autocovariance.hpp"
@@ -223,6 +224,38 @@ Result<void> try_planes_together(const std::vector<Image>& images,
     return {};
 }
 
+/// The fields of all levels and planes.
+Result<void> fit_levels(const std::vector<Image>& images, const AnalysisOptions& options,
+                        SubspaceFit& fit, Executor& executor) {
+    if (is_joint_kind(options.field))
+        return fit_joint_levels(images, options, fit, executor);
+    SATEEN_CHECK(fit_planes_apart(images, options, fit, executor));
+    const auto varying = std::ranges::count_if(
+        fit.subspace.marginals,
+        [](const Marginal& marginal) { return marginal.scale > 0; });
+    if (options.field == FieldKind::automatic && options.joint && !options.paper &&
+        varying > 1)
+        return try_planes_together(images, options, fit, executor);
+    return {};
+}
+
+/// Modulates the bands of a subspace where they vary enough, or where those of another one
+/// do.
+Result<void> modulate(const Image& planes, const SharedModulation* known, SubspaceFit& fit,
+                      Executor& executor) {
+    Subspace& subspace = fit.subspace;
+    ModulationOptions options;
+    options.shared = known;
+    options.joint = planes_of(subspace.levels.front().fields.front()) > 1;
+    SATEEN_TRY(ModulationFit found,
+               fit_band_modulation(planes, subspace.marginals, options, executor));
+    if (known == nullptr && found.excess < least_excess(planes.plane_size())) return {};
+    subspace.modulation = found.modulation.curves;
+    fit.modulation = std::move(found.modulation);
+    subspace.marginals = std::move(found.marginals);
+    return {};
+}
+
 /// Planes of no variance to speak of are constant: scale 0.
 std::vector<Marginal> fit_marginals(const std::vector<Image>& images, std::size_t d,
                                     const AnalysisOptions& options) {
@@ -277,7 +310,9 @@ std::size_t choose_levels(std::size_t side_px, const AnalysisOptions& options) {
 Result<SubspaceFit> fit_subspace(std::vector<Image> images,
                                  const AnalysisOptions& options,
                                  const SpectralTransform* reference,
-                                 const AlignedLayer* layer, Executor& executor) {
+                                 const AlignedLayer* layer,
+                                 const SharedModulation* modulation,
+                                 Executor& executor) {
     std::size_t side = std::numeric_limits<std::size_t>::max();
     for (const Image& image : images) side = std::min({side, image.rows(), image.cols()});
     const std::size_t levels = choose_levels(side, options);
@@ -319,16 +354,11 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
 
     // 3. The pyramid and the fields of every level.
     subspace.levels.resize(levels);
-    if (is_joint_kind(options.field)) {
-        SATEEN_CHECK(fit_joint_levels(images, options, fit, executor));
-        return fit;
-    }
-    SATEEN_CHECK(fit_planes_apart(images, options, fit, executor));
-    const auto varying = std::ranges::count_if(
-        subspace.marginals, [](const Marginal& marginal) { return marginal.scale > 0; });
-    if (options.field == FieldKind::automatic && options.joint && !options.paper &&
-        varying > 1)
-        SATEEN_CHECK(try_planes_together(images, options, fit, executor));
+    SATEEN_CHECK(fit_levels(images, options, fit, executor));
+
+    // 4. What Gaussian fields lack: bands whose amplitude varies.
+    if (options.modulation && !options.paper)
+        SATEEN_CHECK(modulate(images.front(), modulation, fit, executor));
     return fit;
 }
 

@@ -2,10 +2,12 @@
 // One subspace: spectral factorisation, pyramid and fields of its representative image.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "analysis/band_modulation.hpp"
 #include "analysis/periodic_layer.hpp"
 #include "sateen/analysis/options.hpp"
 #include "sateen/core/image.hpp"
@@ -19,16 +21,19 @@ struct SubspaceFit {
     Subspace subspace;
     std::vector<std::string> notes;
     FieldChoice choice;
+    std::optional<SharedModulation> modulation;  ///< where the subspace has one
 };
 
 /// \param images     linear, of one number of bands: a representative image, or photographs
 ///                   whose statistics are pooled
 /// \param reference  the transform to align with, or null
 /// \param layer      the periodic layer to take away first, of one image; or null
+/// \param modulation that of the first subspace, or null to look for one
 [[nodiscard]] Result<SubspaceFit> fit_subspace(std::vector<Image> images,
                                                const AnalysisOptions& options,
                                                const SpectralTransform* reference,
                                                const AlignedLayer* layer,
+                                               const SharedModulation* modulation,
                                                Executor& executor);
 
 /// The number of levels for samples whose smaller side is `side_px`, by the options.

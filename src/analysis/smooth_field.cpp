@@ -38,22 +38,28 @@ double covariance(PlaneView<const float> y, std::size_t row, std::size_t col) {
 
 }  // namespace
 
+CovarianceTable::CovarianceTable(std::size_t rows, std::size_t cols)
+    : down(std::min(kFurthestLag, rows / 2)),
+      across(std::min(kFurthestLag, cols / 2)),
+      values((down + 1) * (across + 1)) {}
+
 SmoothField fit_smooth_field(PlaneView<const float> sample, Executor& executor) {
-    SmoothField field;
-    const std::size_t down = std::min(kFurthestLag, sample.rows / 2);
-    const std::size_t across = std::min(kFurthestLag, sample.cols / 2);
-    std::vector<double> R((down + 1) * (across + 1));
-    parallel_for(executor, down + 1, [&](std::size_t r) {
-        for (std::size_t c = 0; c <= across; ++c)
-            R[r * (across + 1) + c] = covariance(sample, r, c);
+    CovarianceTable R(sample.rows, sample.cols);
+    parallel_for(executor, R.down + 1, [&](std::size_t r) {
+        for (std::size_t c = 0; c <= R.across; ++c) R(r, c) = covariance(sample, r, c);
     });
-    if (!(R[0] > 0)) return field;
+    return fit_smooth_field(R);
+}
+
+SmoothField fit_smooth_field(const CovarianceTable& R) {
+    SmoothField field;
+    if (!(R(0, 0) > 0)) return field;
 
     // Normal equations of R/R(0) = Σ w_jk bell_j(r) bell_k(c).
     std::array<double, kWeights * kWeights> G{};
     std::array<double, kWeights> h{};
-    for (std::size_t r = 0; r <= down; ++r)
-        for (std::size_t c = 0; c <= across; ++c) {
+    for (std::size_t r = 0; r <= R.down; ++r)
+        for (std::size_t c = 0; c <= R.across; ++c) {
             const auto of_row = bells(r);
             const auto of_col = bells(c);
             const double weight =
@@ -62,7 +68,7 @@ SmoothField fit_smooth_field(PlaneView<const float> sample, Executor& executor) 
             for (std::size_t i = 0; i < kWeights; ++i)
                 bell[i] = of_row[i / kScales] * of_col[i % kScales];
             for (std::size_t i = 0; i < kWeights; ++i) {
-                h[i] += weight * bell[i] * R[r * (across + 1) + c] / R[0];
+                h[i] += weight * bell[i] * R(r, c) / R(0, 0);
                 for (std::size_t j = 0; j < kWeights; ++j)
                     G[i * kWeights + j] += weight * bell[i] * bell[j];
             }
@@ -78,7 +84,7 @@ SmoothField fit_smooth_field(PlaneView<const float> sample, Executor& executor) 
 
     const double largest = *std::ranges::max_element(w);
     if (!(largest > 0)) return field;
-    field.deviation = static_cast<float>(std::sqrt(R[0]));
+    field.deviation = static_cast<float>(std::sqrt(R(0, 0)));
     for (std::size_t i = 0; i < kWeights; ++i)
         field.weights[i] = static_cast<std::uint8_t>(std::lround(255 * w[i] / largest));
     return field;

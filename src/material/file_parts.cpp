@@ -53,6 +53,9 @@ Result<std::vector<PartBytes>> material_part_bytes(const Material& material) {
     };
     if (const schema::Structure* structure = m.structure())
         parts.push_back({"structure", structure_bytes(*structure)});
+    if (const schema::Modulation* b = m.modulation())
+        parts.push_back({"modulation", bytes(b->field_deviations(), b->field_weights(),
+                                             b->scales(), b->curves(), b->units())});
     if (const auto* surface = m.surface())
         parts.push_back({"surface", bytes(surface->low(), surface->high())});
     if (const schema::Reflectance* r = m.reflectance())

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "material/message.hpp"
+#include "material/modulation_file.hpp"
 #include "material/quantise.hpp"
 #include "material/reflectance_file.hpp"
 #include "material/schema.hpp"
@@ -327,6 +328,8 @@ Result<Material> unpack(const schema::Material& in) {
     }
     if (in.reflectance() != nullptr)
         SATEEN_CHECK(unpack_reflectance(*in.reflectance(), out));
+    if (in.modulation() != nullptr)
+        SATEEN_CHECK(unpack_modulation(*in.modulation(), out));
     return out;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "material/message.hpp"
+#include "material/modulation_file.hpp"
 #include "material/quantise.hpp"
 #include "material/reflectance_file.hpp"
 #include "material/schema.hpp"
@@ -144,6 +145,7 @@ schema::MaterialT pack(const Material& m) {
     if (m.structure) out.structure = pack_structure(m);
     if (m.surface) out.surface = pack_surface(*m.surface);
     if (m.reflectance) out.reflectance = pack_reflectance(m);
+    if (m.modulation) out.modulation = pack_modulation(m);
     return out;
 }
 

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "material/message.hpp"
+#include "material/modulation_file.hpp"
 #include "material/numbers.hpp"
 #include "material/quantise.hpp"
 #include "material/reflectance_file.hpp"
@@ -309,6 +310,7 @@ Result<void> validate(const Material& material) {
         SATEEN_CHECK(
             in_element("subspace", i, check_subspace(material, material.subspaces[i])));
     SATEEN_CHECK(validate_structure(material));
+    SATEEN_CHECK(validate_modulation(material));
     if (material.surface) SATEEN_CHECK(validate(*material.surface));
     return validate_reflectance(material);
 }

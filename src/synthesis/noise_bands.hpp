@@ -24,5 +24,9 @@ inline std::uint32_t recursion_noise_band(std::uint32_t plane, std::size_t level
 inline std::uint32_t displacement_noise_band(std::uint32_t axis) {
     return 64 + axis;
 }
+/// The fields of amplitude of a band.
+inline std::uint32_t modulation_noise_band(std::size_t level) {
+    return 96 + static_cast<std::uint32_t>(level);
+}
 
 }  // namespace sateen

@@ -10,17 +10,11 @@
 #include "sateen/core/normal.hpp"
 #include "sateen/core/parallel.hpp"
 #include "sateen/core/result.hpp"
+#include "sateen/material/smooth_density.hpp"
 #include "sateen/material/structure.hpp"
 #include "synthesis/overlap_save.hpp"
 
 namespace sateen {
-
-/// E(ω) of a smooth field on the half spectrum of a (rows, cols) torus, by the transform of
-/// a bell, Σ_r exp(-r²/4s²) e^{-iωr} ≈ 2√π s exp(-s²ω²), exact to 10⁻⁴ for s ≥ 1.
-/// \param scale_rows  sites of the torus for one site of the field, as are scale_cols
-[[nodiscard]] Image smooth_density(const SmoothField& field, std::size_t rows,
-                                   std::size_t cols, double scale_rows,
-                                   double scale_cols);
 
 /// One realisation. Small tori are drawn when created, by one transform; windows of the
 /// infinite lattice, and large tori, as they are asked for.

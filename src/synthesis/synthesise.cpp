@@ -10,6 +10,7 @@
 
 #include "sateen/core/fft.hpp"
 #include "synthesis/appearance.hpp"
+#include "synthesis/band_modulation.hpp"
 #include "synthesis/infinite_field.hpp"
 #include "synthesis/noise_bands.hpp"
 #include "synthesis/periodic_layer.hpp"
@@ -233,8 +234,9 @@ void divide(ImageView<float> planes, const std::vector<float>& deviations) {
     }
 }
 
-/// From fields to reflectance, unless the caller wants the fields: the periodic layer, where
-/// the material has one, then marginal curves, spectral transform and tone.
+/// From fields to reflectance, unless the caller wants the fields: the modulation of bands and
+/// the periodic layer, where the material has them, then marginal curves, spectral transform
+/// and tone.
 class Finish {
   public:
     static Result<Finish> create(const Material& material,
@@ -242,11 +244,28 @@ class Finish {
                                  Executor& executor) {
         Finish finish;
         finish.fields_only_ = options.fields_only;
+        if (material.modulation) {
+            finish.modulation_ = &*material.modulation;
+            SATEEN_TRY(finish.amplitudes_,
+                       AmplitudeFields::create(*material.modulation, options.seed, period,
+                                               executor));
+        }
         if (!material.structure) return finish;
         finish.structure_ = &*material.structure;
         SATEEN_TRY(finish.phase_, PeriodicPhase::create(material.structure->periodic,
                                                         options.seed, period, executor));
         return finish;
+    }
+    /// Pixels that are needed on every side of a window.
+    [[nodiscard]] std::size_t margin() const {
+        return amplitudes_ ? kModulationReach : 0;
+    }
+    /// Of fields that are a whole torus, or that have the margin about them.
+    void modulate(const Subspace& subspace, Border border, std::int32_t row,
+                  std::int32_t col, ImageView<float> fields, Executor& executor) const {
+        if (amplitudes_)
+            modulate_planes(*modulation_, subspace, *amplitudes_, border, row, col,
+                            fields, executor);
     }
     /// \param planes  fields whose top left is (row, col), overwritten
     /// \param out     a plane for each band, written; may be the fields
@@ -277,6 +296,8 @@ class Finish {
 
   private:
     bool fields_only_ = false;
+    const BandModulation* modulation_ = nullptr;
+    std::optional<AmplitudeFields> amplitudes_;
     const Structure* structure_ = nullptr;
     std::optional<PeriodicPhase> phase_;
 };
@@ -288,9 +309,85 @@ auto finish_rows(const Finish& finish, const Subspace& subspace) {
                Executor& executor) { finish(subspace, row, 0, planes, out, executor); };
 }
 
+/// The texture of one subspace on a torus.
+/// \param coloured  written, may be the noise
+Image draw_whole(const Torus& torus, const Finish& finish, const Subspace& subspace,
+                 std::span<const SplitComplexPlane> noise,
+                 std::span<SplitComplexPlane> coloured, Executor& executor) {
+    if (finish.margin() == 0)
+        return torus.draw(subspace, noise, coloured, finish_rows(finish, subspace),
+                          executor);
+    // Bands reach over all blocks of rows.
+    const auto keep = [](std::int32_t, ImageView<float> planes,
+                         std::span<const PlaneView<float>> out, Executor&) {
+        for (std::size_t plane = 0; plane < planes.bands; ++plane)
+            std::copy_n(planes.plane(plane).data, planes.plane_size(), out[plane].data);
+    };
+    Image texture = torus.draw(subspace, noise, coloured, keep, executor);
+    finish.modulate(subspace, Border::wrap, 0, 0, texture.view(), executor);
+    finish(subspace, 0, 0, texture.view(), executor);
+    return texture;
+}
+
 Period period_of(const SynthesisOptions& options) {
     return {static_cast<std::int32_t>(options.rows),
             static_cast<std::int32_t>(options.cols)};
+}
+
+/// Rows of fields as they are drawn, with a margin about the strip that is wanted of them.
+/// Strips come from top to bottom: rows that two of them share are drawn once.
+template <class Planes>
+class FieldRows {
+  public:
+    FieldRows(const Planes& planes, const SynthesisOptions& options, std::size_t bands,
+              std::size_t margin)
+        : planes_(planes), options_(options), bands_(bands), margin_(margin) {}
+
+    /// \returns  fields of rows [first - margin, first + count + margin)
+    Result<Image> strip(std::int64_t first, std::size_t count, Executor& executor) {
+        const std::size_t cols = options_.cols + 2 * margin_;
+        Image out(bands_, count + 2 * margin_, cols, uninitialised);
+        const std::size_t known = kept_.rows();
+        copy_rows(kept_.view(), 0, known, out.view(), 0);
+        if (known < out.rows()) {
+            Image fresh(bands_, out.rows() - known, cols, uninitialised);
+            SATEEN_CHECK(planes_.draw(
+                options_.seed,
+                static_cast<std::int32_t>(first + static_cast<std::int64_t>(known) -
+                                          static_cast<std::int64_t>(margin_)),
+                options_.offset_col - static_cast<std::int32_t>(margin_), fresh.view(),
+                executor));
+            copy_rows(fresh.view(), 0, fresh.rows(), out.view(), known);
+        }
+        kept_ = Image(bands_, 2 * margin_, cols, uninitialised);
+        copy_rows(out.view(), count, 2 * margin_, kept_.view(), 0);
+        return out;
+    }
+
+  private:
+    static void copy_rows(ImageView<const float> from, std::size_t first,
+                          std::size_t count, ImageView<float> to, std::size_t at) {
+        for (std::size_t band = 0; band < to.bands && count > 0; ++band)
+            std::copy_n(from.plane(band).row(first), count * from.cols,
+                        to.plane(band).row(at));
+    }
+
+    const Planes& planes_;
+    const SynthesisOptions& options_;
+    std::size_t bands_;
+    std::size_t margin_;
+    Image kept_;  ///< the last rows of the strip before
+};
+
+/// The middle of an image.
+Image without_margin(const Image& image, std::size_t margin) {
+    Image out(image.bands(), image.rows() - 2 * margin, image.cols() - 2 * margin,
+              uninitialised);
+    for (std::size_t band = 0; band < out.bands(); ++band)
+        for (std::size_t r = 0; r < out.rows(); ++r)
+            std::copy_n(image.plane(band).row(r + margin) + margin, out.cols(),
+                        out.plane(band).row(r));
+    return out;
 }
 
 /// Draws a window from top to bottom in strips that end on the block borders of the
@@ -302,18 +399,27 @@ Result<void> draw_in_strips(const Planes& planes, const Finish& finish,
                             Progress& progress) {
     const std::size_t bands = subspace.marginals.size();
     const auto step = static_cast<std::int64_t>(planes.strip_rows());
+    const std::size_t margin = finish.margin();
+    FieldRows<Planes> fields(planes, options, bands, margin);
     std::size_t row = 0;
     while (row < options.rows) {
         if (progress.cancelled())
             return Error{Errc::cancelled, "cancelled while drawing"};
         const std::int64_t at =
             std::int64_t{options.offset_row} + static_cast<std::int64_t>(row);
-        const std::int64_t past_border = ((at % step) + step) % step;
+        // The rows that are drawn for this strip end below it by the margin.
+        const std::int64_t past_border =
+            (((at + static_cast<std::int64_t>(margin)) % step) + step) % step;
         const std::size_t count =
             std::min(static_cast<std::size_t>(step - past_border), options.rows - row);
-        Image strip(bands, count, options.cols, uninitialised);
-        SATEEN_CHECK(planes.draw(options.seed, static_cast<std::int32_t>(at),
-                                 options.offset_col, strip.view(), executor));
+        SATEEN_TRY(Image strip, fields.strip(at, count, executor));
+        if (margin > 0) {
+            const auto outer = static_cast<std::int32_t>(margin);
+            finish.modulate(subspace, Border::mirror,
+                            static_cast<std::int32_t>(at) - outer,
+                            options.offset_col - outer, strip.view(), executor);
+            strip = without_margin(strip, margin);
+        }
         finish(subspace, static_cast<std::int32_t>(at), options.offset_col, strip.view(),
                executor);
         SATEEN_CHECK(sink(row, strip.view()));
@@ -341,6 +447,7 @@ Result<void> draw_periodic(const Material& material, const Subspace& subspace,
     SATEEN_CHECK(planes.draw(options.seed, 0, 0, whole.view(), executor));
     for (std::size_t plane = 0; plane < whole.bands(); ++plane)
         standardise(whole.plane(plane));
+    finish.modulate(subspace, Border::wrap, 0, 0, whole.view(), executor);
     finish(subspace, 0, 0, whole.view(), executor);
     progress.report(1, 1);
     return sink(0, whole.view());
@@ -362,8 +469,8 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
                    Finish::create(material, options, period_of(options), executor));
         SATEEN_TRY(const Torus torus, Torus::create(material, options));
         std::vector<SplitComplexPlane> spectra = torus.noise(executor);
-        const Image texture = torus.draw(subspace, spectra, spectra,
-                                         finish_rows(finish, subspace), executor);
+        const Image texture =
+            draw_whole(torus, finish, subspace, spectra, spectra, executor);
         progress.report(1, 1);
         return sink(0, texture.view());
     }
@@ -423,8 +530,8 @@ Result<void> synthesise_tiles(
     const auto draw = [&](std::size_t subspace, Executor& threads) -> Result<Image> {
         if (!torus) return synthesise(material, subspace, tileable, threads, part);
         std::vector<SplitComplexPlane> spectra = torus->spectra();
-        const Subspace& drawn = material.subspaces[subspace];
-        return torus->draw(drawn, noise, spectra, finish_rows(*finish, drawn), threads);
+        return draw_whole(*torus, *finish, material.subspaces[subspace], noise, spectra,
+                          threads);
     };
     // A subspace a thread, as many at a time as there are threads; what is left over
     // shares them.

@@ -212,7 +212,8 @@ std::vector<Golden> golden_files() {
             {"grid.sateen", test::golden_grid()},
             {"incomplete.sateen", test::golden_incomplete()},
             {"surface.sateen", test::golden_surface()},
-            {"structure.sateen", test::golden_structure()}};
+            {"structure.sateen", test::golden_structure()},
+            {"modulated.sateen", test::golden_modulated()}};
 }
 
 TEST(GoldenMaterial, FilesOfVersion1HoldWhatTheyHeld) {

@@ -132,4 +132,29 @@ inline Material golden_structure() {
     return m;
 }
 
+/// The photograph with modulated bands.
+inline Material golden_modulated() {
+    Material m = golden_photograph();
+    BandModulation& modulation = m.modulation.emplace();
+    for (std::size_t level = 0; level < BandModulation::kLevels; ++level) {
+        SmoothField& field = modulation.fields[level];
+        field.deviation = level == 1 ? 0 : 0.25F;
+        field.weights[level] = static_cast<std::uint8_t>(255 - level);
+    }
+    SubspaceModulation& to = m.subspaces[0].modulation.emplace();
+    for (std::size_t i = 0; i < 3 * BandModulation::kLevels; ++i) {
+        ModulatedBand& band = to.bands.emplace_back();
+        band.value_scale = 1.5F;
+        band.energy_scale = static_cast<float>(i + 1);
+        band.gain = 0.875F;
+        for (std::size_t j = 0; j < AmplitudeCurve::kKnots; ++j) {
+            band.of_value.values[j] = static_cast<std::int8_t>(j);
+            band.of_parent.values[j] = static_cast<std::int8_t>(4 * static_cast<int>(j) - 16);
+            band.of_first.values[j] = static_cast<std::int8_t>(-static_cast<int>(i));
+        }
+    }
+    to.units = {1, 0.75F, 1};
+    return m;
+}
+
 }  // namespace sateen::test

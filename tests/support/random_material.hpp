@@ -28,6 +28,7 @@ struct RandomMaterialOptions {
     /// Of the fields, by number in FieldModel; joint ones draw all planes.
     std::size_t model = 0;
     bool structure = false;  ///< a periodic layer
+    bool modulation = false;  ///< of the bands
     std::size_t tiles = 0;   ///< of the range map; 0 for none
     std::size_t rank = 0;    ///< of a reflectance, where not 0
 };
@@ -53,6 +54,7 @@ class RandomMaterial {
         for (std::size_t i = 0; i < options_.subspaces; ++i)
             m.subspaces.push_back(subspace(m));
         if (options_.structure) fill_structure(m);
+        if (options_.modulation) fill_modulation(m);
         if (options_.tiles != 0)
             m.surface = random_surface({.seed = engine_(),
                                         .shear_px = static_cast<std::uint32_t>(below(13)),
@@ -138,6 +140,36 @@ class RandomMaterial {
             subspace.structure.emplace();
             for (std::size_t plane = 0; plane < m.bands; ++plane)
                 subspace.structure->cells.push_back(cell(layer, plane));
+        }
+    }
+
+    AmplitudeCurve amplitude_curve() {
+        AmplitudeCurve out;
+        for (std::int8_t& value : out.values)
+            value = static_cast<std::int8_t>(static_cast<int>(below(61)) - 30);
+        return out;
+    }
+
+    void fill_modulation(Material& m) {
+        BandModulation& modulation = m.modulation.emplace();
+        for (SmoothField& field : modulation.fields) {
+            field = smooth_field();
+            field.deviation = uniform(0.1F, 0.5F);
+        }
+        modulation.fields[2].deviation = 0;
+        for (Subspace& subspace : m.subspaces) {
+            SubspaceModulation& to = subspace.modulation.emplace();
+            for (std::size_t i = 0; i < m.bands * BandModulation::kLevels; ++i) {
+                ModulatedBand& band = to.bands.emplace_back();
+                band.value_scale = to_half_of_float(uniform(1, 3));
+                band.energy_scale = to_half_of_float(uniform(2, 30));
+                band.gain = to_half_of_float(uniform(0.7F, 1));
+                for (AmplitudeCurve* curve :
+                     {&band.of_value, &band.of_parent, &band.of_first})
+                    *curve = amplitude_curve();
+            }
+            for (std::size_t i = 0; i < m.bands; ++i)
+                to.units.push_back(to_half_of_float(uniform(0.8F, 1)));
         }
     }
 
@@ -289,6 +321,14 @@ inline std::vector<Material> assorted_materials() {
                          .lights = 9,
                          .complete = false,
                          .rank = 16}),
+        random_material({.seed = 14, .levels = 2, .modulation = true}),
+        random_material({.seed = 15,
+                         .subspaces = 2,
+                         .levels = 2,
+                         .bands = 1,
+                         .views = 2,
+                         .lights = 2,
+                         .modulation = true}),
     };
 }
 

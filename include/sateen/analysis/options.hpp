@@ -75,6 +75,9 @@ struct AnalysisOptions {
     Tone tone = Tone::srgb;
     /// Look for a pattern that repeats; never in paper mode.
     bool structure = true;
+    /// Modulate bands whose amplitude varies more than that of Gaussian ones; never in paper
+    /// mode.
+    bool modulation = true;
     std::uint64_t seed = 0;
     /// Keep mean colour and contrast of every pair of directions; never in paper mode.
     bool reflectance = true;

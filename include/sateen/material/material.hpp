@@ -13,6 +13,7 @@
 
 #include "sateen/core/direction.hpp"
 #include "sateen/core/result.hpp"
+#include "sateen/material/band_modulation.hpp"
 #include "sateen/material/field_model.hpp"
 #include "sateen/material/reflectance.hpp"
 #include "sateen/material/structure.hpp"
@@ -73,7 +74,8 @@ struct Subspace {
     SpectralTransform spectral;
     std::vector<Marginal> marginals;  ///< (d)
     std::vector<Level> levels;        ///< finest first; the last is the low-pass residue
-    std::optional<SubspaceStructure> structure;  ///< where the material has one
+    std::optional<SubspaceStructure> structure;    ///< where the material has one
+    std::optional<SubspaceModulation> modulation;  ///< the same
     friend bool operator==(const Subspace&, const Subspace&) = default;
 };
 
@@ -115,6 +117,7 @@ struct Material {
     std::vector<IndexEntry> index;  ///< ascending by (light, view), without repetition
     std::vector<Subspace> subspaces;
     std::optional<Structure> structure;  ///< what stationary fields cannot hold
+    std::optional<BandModulation> modulation;  ///< nor Gaussian ones
     std::optional<Surface> surface;  ///< the range map, where one was estimated
     std::optional<Reflectance> reflectance;  ///< of every pair of views and lights
     friend bool operator==(const Material&, const Material&) = default;
