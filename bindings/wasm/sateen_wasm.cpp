@@ -234,8 +234,8 @@ SATEEN_EXPORT(sateen_index) const std::uint8_t* sateen_index(const Loaded* loade
     return loaded->index.empty() ? nullptr : loaded->index.data();
 }
 
-/// The cells of the pattern of a subspace, (rows, cols, 6) as the description says: m of the
-/// three planes, then s. Null without a pattern. Holds until the next table is asked for.
+/// The cells of the pattern of a subspace, (rows, cols, 9) as the description says: m of the
+/// three planes, then s, then l of the planes 1 from 0, 2 from 0, 2 from 1. Null without a pattern. Holds until the next table is asked for.
 SATEEN_EXPORT(sateen_pattern)
 const float* sateen_pattern(Loaded* loaded, std::uint32_t subspace) {
     const Material& material = loaded->material;

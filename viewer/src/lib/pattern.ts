@@ -5,16 +5,19 @@ import {
   RGBAFormat, type Texture,
 } from 'three';
 
-import type { MaterialData, PatternPhase } from './runtime';
+import { CELL_VALUES, type MaterialData, type PatternPhase } from './runtime';
 import { LEVELS, type Range } from './textures';
 
-/** m and s of one plane. */
+const mixing = (i: number, j: number): number => 6 + (i * (i - 1)) / 2 + j;
+
+/** m, s and l of one plane. */
 interface PlaneMoments {
   /** Of m, and what of it averages over 2 × 2, 4 × 4, … samples of the table hide. */
   variance: number;
   hidden: number[];
-  /** Mean of s². */
+  /** Means of s², and of l² from each plane before it. */
   power: number;
+  mixed: number[];
   low: number;
   high: number;
 }
@@ -22,9 +25,12 @@ interface PlaneMoments {
 function momentsOf(table: Float32Array, rows: number, cols: number, plane: number): PlaneMoments {
   let level: Float32Array = new Float32Array(rows * cols);
   let [power, low, high] = [0, Infinity, -Infinity];
+  const mixed = Array.from({ length: plane }, () => 0);
   for (let i = 0; i < level.length; ++i) {
-    level[i] = table[6 * i + plane]!;
-    power += table[6 * i + 3 + plane]! ** 2 / level.length;
+    const at = CELL_VALUES * i;
+    level[i] = table[at + plane]!;
+    power += table[at + 3 + plane]! ** 2 / level.length;
+    mixed.forEach((_, j) => { mixed[j]! += table[at + mixing(plane, j)]! ** 2 / level.length; });
     [low, high] = [Math.min(low, level[i]!), Math.max(high, level[i]!)];
   }
   const mean = level.reduce((sum, x) => sum + x, 0) / level.length;
@@ -43,7 +49,7 @@ function momentsOf(table: Float32Array, rows: number, cols: number, plane: numbe
     [level, r, c] = [next, hr, hc];
     hidden.push(Math.max(0, variance - spread(level)));
   }
-  return { variance, hidden, power, low, high };
+  return { variance, hidden, power, mixed, low, high };
 }
 
 /** What of each plane a level hides, and all of it: (subspaces, LEVELS, 3), (subspaces, 3). */
@@ -72,33 +78,36 @@ export interface PatternTextures {
   variance: PlaneVariance;
 }
 
-/** @param tables  of every subspace, (rows, cols, 6): m of three planes, then s */
+/** @param tables  of every subspace, (rows, cols, CELL_VALUES) */
 export function patternTextures(data: MaterialData, tables: Float32Array[], kept: Float32Array): PatternTextures {
   const { rows, cols, inverse } = data.pattern!;
   const half = DataUtils.toHalfFloat;
-  const texels = new Uint16Array(4 * rows * cols * 2 * tables.length);
+  const texels = new Uint16Array(4 * rows * cols * 3 * tables.length);
+  const fields = fieldVariance(data, kept);
   const variance = fieldVariance(data, kept);
   // Samples of the table that a pixel covers.
   const across = Math.sqrt(Math.abs(inverse[0]! * inverse[3]! - inverse[1]! * inverse[2]!) * rows * cols);
   const ranges = tables.map((table, k) => {
     for (let i = 0; i < rows * cols; ++i)
-      for (let part = 0; part < 2; ++part)
+      for (let part = 0; part < 3; ++part)
         for (let plane = 0; plane < 3; ++plane)
-          texels[4 * ((2 * k + part) * rows * cols + i) + plane] = half(table[6 * i + 3 * part + plane]!);
-    return data.subspaces[k]!.scale.map((scale, i) => {
+          texels[4 * ((3 * k + part) * rows * cols + i) + plane] = half(table[CELL_VALUES * i + 3 * part + plane]!);
+    return data.subspaces[k]!.scale.map((_, i) => {
       const m = momentsOf(table, rows, cols, i);
-      const noise = variance.all[3 * k + i]! * m.power;
+      const through = (of: Float32Array, first: number): number =>
+        m.mixed.reduce((sum, power, j) => sum + of[first + j]! * power, of[first + i]! * m.power);
+      const noise = through(fields.all, 3 * k);
       variance.all[3 * k + i] = m.variance + noise;
       for (let level = 0; level < LEVELS; ++level) {
         const at = (k * LEVELS + level) * 3 + i;
         const cellLevel = Math.max(0, Math.min(m.hidden.length - 1, Math.round(level + Math.log2(across))));
-        variance.hidden[at] = variance.hidden[at]! * m.power + (level === 0 ? 0 : m.hidden[cellLevel]!);
+        variance.hidden[at] = through(fields.hidden, at - i) + (level === 0 ? 0 : m.hidden[cellLevel]!);
       }
-      const reach = 3.2 * scale * Math.sqrt(2 * m.power);
+      const reach = 3.2 * Math.sqrt(2 * noise);
       return { low: m.low - reach, length: m.high - m.low + 2 * reach };
     });
   });
-  const cells = new DataArrayTexture(texels, cols, rows, 2 * tables.length);
+  const cells = new DataArrayTexture(texels, cols, rows, 3 * tables.length);
   cells.format = RGBAFormat;
   cells.type = HalfFloatType;
   finish(cells);

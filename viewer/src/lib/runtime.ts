@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The WebAssembly runtime with types: bindings/wasm/sateen_wasm.cpp, one method a function.
 
+/** Numbers of a sample of a cell: m of three planes, s, then l of planes 1 from 0, 2 from 0, 2 from 1. */
+export const CELL_VALUES = 9;
+
 /** One subspace, as bindings/wasm/describe.hpp writes it. */
 export interface SubspaceDescription {
   members: number;
@@ -220,7 +223,7 @@ export class Runtime {
   pattern(handle: number, subspace: number, sites: number): Float32Array {
     const at = this.exports.sateen_pattern(handle, subspace);
     if (at === 0) throw new SateenError(`no pattern of subspace ${subspace}`);
-    return this.floats(at, 6 * sites);
+    return this.floats(at, CELL_VALUES * sites);
   }
 
   /** @internal */
@@ -280,7 +283,7 @@ export class LoadedMaterial {
     return this.runtime.drawPhase(this.handle, rows, cols, seed);
   }
 
-  /** Cells of the pattern of one subspace, (rows, cols, 6): m of three planes, then s. */
+  /** Cells of the pattern of one subspace, (rows, cols, CELL_VALUES). */
   pattern(subspace: number): Float32Array {
     const { rows, cols } = this.description.pattern!;
     return this.runtime.pattern(this.handle, subspace, rows * cols);

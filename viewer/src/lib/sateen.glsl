@@ -192,7 +192,7 @@ vec3 curve_at(sampler2D curve, vec3 x, float row) {
     return vec3(texture(curve, vec2(x.x, row)).x, texture(curve, vec2(x.y, row)).y, texture(curve, vec2(x.z, row)).z);
 }
 
-// v = tone⁻¹(Tᵀ X + mean), X = q(g), or c(m(u) + s(u) q(g)) of a pattern: invert_spectral,
+// v = tone⁻¹(Tᵀ X + mean), X = q(g), or c(m(u) + s(u) q(g) + Σ l(u) q(g)) of a pattern: invert_spectral,
 // apply_periodic_layer.
 //
 // At mip level m a field is an average over a pixel. The curves of that level are already
@@ -205,9 +205,11 @@ vec3 texture_at(int k, vec4 hides) {
     vec3 q = curve_at(curves, field_at(place.tiles, k, place.dx, place.dy) * (0.5 / G) + 0.5, curve_row);
 #ifdef PATTERN
     vec2 at = place.u.yx + CELL_HALF_TEXEL;
-    vec3 m = textureGrad(cells, vec3(at, float(2 * k)), place.udx.yx, place.udy.yx).xyz;
-    vec3 s = textureGrad(cells, vec3(at, float(2 * k + 1)), place.udx.yx, place.udy.yx).xyz;
-    q = curve_at(toneCurves, (m + s * q - subspaces[row + ROW_LOW].xyz) * subspaces[row + ROW_SCALE].xyz, curve_row);
+    vec3 m = textureGrad(cells, vec3(at, float(3 * k)), place.udx.yx, place.udy.yx).xyz;
+    vec3 s = textureGrad(cells, vec3(at, float(3 * k + 1)), place.udx.yx, place.udy.yx).xyz;
+    vec3 l = textureGrad(cells, vec3(at, float(3 * k + 2)), place.udx.yx, place.udy.yx).xyz;
+    vec3 mixed = vec3(0.0, l.x * q.x, l.y * q.x + l.z * q.y);
+    q = curve_at(toneCurves, (m + s * q + mixed - subspaces[row + ROW_LOW].xyz) * subspaces[row + ROW_SCALE].xyz, curve_row);
 #endif
     vec4 mean = subspaces[row + ROW_MEAN];
     vec3 v = max(mean.xyz + q.x * subspaces[row].xyz + q.y * subspaces[row + 1].xyz + q.z * subspaces[row + 2].xyz, 0.0);
