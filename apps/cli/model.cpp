@@ -41,6 +41,7 @@ struct ModelArguments {
     std::string encoding = "auto";
     std::string report;
     std::string structure = "auto";
+    std::string reflectance = "auto";
     std::string surface = "auto";
     std::string surface_out;
     std::string surface_light;
@@ -63,6 +64,7 @@ std::string recorded_options(const ModelArguments& arguments) {
     add("--neighbourhood", arguments.neighbourhood);
     add("--encoding", arguments.encoding);
     add("--structure", arguments.structure);
+    add("--reflectance", arguments.reflectance);
     add("--surface", arguments.surface);
     if (!arguments.surface_light.empty()) add("--surface-light", arguments.surface_light);
     if (arguments.budget != 0) add("--budget", std::to_string(arguments.budget));
@@ -82,6 +84,7 @@ Result<AnalysisOptions> analysis_options(const ModelArguments& arguments) {
         SATEEN_TRY(options.neighbourhood, parse_neighbourhood(arguments.neighbourhood));
     }
     options.structure = options.modulation = arguments.structure == "auto";
+    options.reflectance = arguments.reflectance == "auto";
     options.seed = arguments.common.seed;
     options.skip_bad = arguments.skip_bad;
     return options;
@@ -295,6 +298,12 @@ Verb add_model(CLI::App& program) {
     verb->add_option("--structure", arguments->structure,
                      "Patterns that repeat and bands that vary: auto, or none for Gaussian\n"
                      "fields alone")
+        ->type_name("KIND")
+        ->check(CLI::IsMember({"auto", "none"}))
+        ->capture_default_str();
+    verb->add_option("--reflectance", arguments->reflectance,
+                     "Mean colour and contrast of every pair of directions: auto,\n"
+                     "or none, as with --paper: 4 to 12 KB less")
         ->type_name("KIND")
         ->check(CLI::IsMember({"auto", "none"}))
         ->capture_default_str();

@@ -5,20 +5,25 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "arguments.hpp"
 #include "console.hpp"
+#include "sateen/io/animated_png.hpp"
 #include "sateen/io/atomic_file.hpp"
 #include "sateen/io/executor.hpp"
 #include "sateen/io/image_file.hpp"
 #include "sateen/io/material_file.hpp"
+#include "sateen/render/displacement.hpp"
 #include "sateen/render/renderer.hpp"
 #include "sateen/synthesis/evaluate.hpp"
 #include "verbs.hpp"
@@ -41,7 +46,10 @@ struct RenderArguments {
     std::size_t environment_samples = 4;
     std::size_t turntable = 0;
     std::size_t sweep = 0;
+    std::string relief = "shading";
+    std::size_t triangles = 2'000'000;
     bool displacement = false;
+    bool animate = false;
 
     [[nodiscard]] std::size_t frames() const {
         return std::max<std::size_t>({turntable, sweep, 1});
@@ -94,6 +102,59 @@ float exposure_for(const Image& picture) {
     return kBright / values[static_cast<std::size_t>(at)];
 }
 
+const std::map<std::string, Relief> kReliefs = {{"none", Relief::none},
+                                                {"shading", Relief::shading},
+                                                {"parallax", Relief::parallax},
+                                                {"marched", Relief::marched}};
+
+/// Heights of the evaluator's torus, means weighted by a tent as wide as the square; of a
+/// texel, where squares are smaller, which is bilinear.
+HeightAt heights_of(const Evaluator& evaluator) {
+    return [&evaluator](float u, float v, float width) {
+        constexpr float kFurthest = 8;
+        const std::span<const float> relief = evaluator.relief();
+        const auto side = static_cast<std::int64_t>(evaluator.side());
+        const auto texels = static_cast<float>(side);
+        const float reach = std::clamp(width * texels, 1.0F, kFurthest);
+        const float col = u * texels - 0.5F;
+        const float row = -v * texels - 0.5F;
+        const auto first = [reach](float at) {
+            return static_cast<std::int64_t>(std::ceil(at - reach));
+        };
+        const auto share = [reach](std::int64_t i, float at) {
+            return std::max(0.0F, reach - std::abs(static_cast<float>(i) - at));
+        };
+        const auto wrapped = [side](std::int64_t i) { return (i % side + side) % side; };
+        float sum = 0;
+        float weights = 0;
+        for (std::int64_t r = first(row); static_cast<float>(r) < row + reach; ++r)
+            for (std::int64_t c = first(col); static_cast<float>(c) < col + reach; ++c) {
+                const float weight = share(r, row) * share(c, col);
+                const auto at = static_cast<std::size_t>(wrapped(r) * side + wrapped(c));
+                sum += weight * relief[4 * at + 3];
+                weights += weight;
+            }
+        return weights > 0 ? sum / weights : 0.0F;
+    };
+}
+
+/// The displaced mesh in the scene. Smooth textures that hold the shadows of the relief are
+/// not shaded by it again: then shadow rays begin above it.
+Result<DisplacedMesh> displaced_by(const RenderArguments& arguments, const Mesh& mesh,
+                                   const Evaluator& evaluator, bool delit, Scene& scene,
+                                   Progress& progress) {
+    progress.stage("displacing");
+    DisplacementOptions options;
+    options.max_triangles = arguments.triangles;
+    options.detail = 1 / static_cast<float>(evaluator.side());
+    SATEEN_TRY(DisplacedMesh displaced,
+               displace(mesh, heights_of(evaluator), options, progress));
+    constexpr float kClearance = 3e-4F;
+    scene.shadow_lift =
+        delit ? kClearance : kClearance + displaced.highest - displaced.lowest;
+    return displaced;
+}
+
 std::string frame_name(const std::string& output, std::size_t frame) {
     const std::filesystem::path path(output);
     return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame,
@@ -144,10 +205,23 @@ Result<std::vector<std::string>> render_all(const RenderArguments& arguments, Sc
         SATEEN_CHECK(write_image(path, image.view(), writing));
         written.push_back(path);
     }
+    if (arguments.animate) {
+        constexpr std::uint16_t kTurn = 4000;  // milliseconds
+        SATEEN_CHECK(join_png_frames(arguments.output, written,
+                                     static_cast<std::uint16_t>(std::max<std::size_t>(
+                                         20, kTurn / arguments.frames()))));
+        written.push_back(arguments.output);
+    }
     return written;
 }
 
 Result<void> run_render(const RenderArguments& arguments) {
+    if (arguments.animate &&
+        (arguments.frames() < 2 ||
+         std::filesystem::path(arguments.output).extension() != ".png"))
+        return Error{Errc::invalid_argument,
+                     "--animate: found " + one_line(arguments.output) +
+                         ", expected a .png, and --turntable or --sweep of 2 and more"};
     const auto start = std::chrono::steady_clock::now();
     const Size size = parse_size(arguments.size);
     const std::unique_ptr<Executor> executor = make_executor(arguments.common.threads);
@@ -161,15 +235,24 @@ Result<void> run_render(const RenderArguments& arguments) {
     EvaluatorOptions drawing;
     drawing.side = arguments.texture_side;
     drawing.seed = arguments.common.seed;
-    if (arguments.displacement) {
-        drawing.relief = Relief::marched;
-        drawing.self_shadow = true;
-    }
+    drawing.relief = kReliefs.at(arguments.relief);
+    drawing.self_shadow = drawing.relief == Relief::marched;
     SATEEN_TRY(const Evaluator evaluator,
                Evaluator::create(material, drawing, *executor, progress));
 
     Scene scene;
     scene.mesh = &mesh;
+    DisplacedMesh displaced;
+    if (arguments.displacement) {
+        if (!material.surface)
+            return Error{Errc::invalid_argument,
+                         one_line(arguments.material) +
+                             ": holds no range map to displace by, expected a material "
+                             "modelled with --surface"};
+        SATEEN_TRY(displaced, displaced_by(arguments, mesh, evaluator,
+                                           material.surface->delit, scene, progress));
+        scene.mesh = &displaced.mesh;
+    }
     if (environment) scene.environment = &*environment;
     for (const std::string& light : arguments.lights)
         scene.lights.push_back({parse_direction(light), 1});
@@ -194,7 +277,7 @@ Result<void> run_render(const RenderArguments& arguments) {
         nlohmann::ordered_json json;
         json["written"] = written;
         json["size"] = {size.cols, size.rows};
-        json["triangles"] = mesh.triangles.size();
+        json["triangles"] = scene.mesh->triangles.size();
         json["seconds"] = elapsed.count();
         print_json(json);
     } else {
@@ -264,8 +347,22 @@ Verb add_render(CLI::App& program) {
         ->type_name("N")
         ->capture_default_str()
         ->check(CLI::Range(16, 2048));
-    verb->add_flag("--displacement", arguments->displacement,
-                   "March rays through the relief, with its own shadows");
+    auto* displacement =
+        verb->add_flag("--displacement", arguments->displacement,
+                       "Move the surface by the range map: a mesh of small triangles,\n"
+                       "with silhouettes and shadows of its own");
+    verb->add_option("--triangles", arguments->triangles,
+                     "At most, of --displacement; 1 GB holds about 4 million")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(CLI::Range(1000, 20000000))
+        ->needs(displacement);
+    verb->add_option("--relief", arguments->relief,
+                     "What the range map does within the surface: none, shading,\n"
+                     "parallax, or marched: rays through it, with its own shadows")
+        ->type_name("KIND")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"none", "shading", "parallax", "marched"}));
     verb->add_option("--exposure", arguments->exposure,
                      "Factor on all values; default: the first picture decides")
         ->type_name("X")
@@ -279,12 +376,14 @@ Verb add_render(CLI::App& program) {
         ->type_name("N")
         ->check(CLI::Range(1, 10000))
         ->excludes(turntable);
+    verb->add_flag("--animate", arguments->animate,
+                   "The frames as an animated PNG as well, OUT itself");
     arguments->common.add_to(*verb);
     verb->footer(
         "Examples:\n"
         "  sateen render wool.sateen -o ball.png --light 45,225 --light 70,0\n"
         "  sateen render wool.sateen -o scarf.png --mesh cloth --env studio.hdr\n"
-        "  sateen render wool.sateen -o turn.png --turntable 36");
+        "  sateen render wool.sateen -o turn.png --turntable 36 --animate");
     return {verb, [arguments] { return run_render(*arguments); }};
 }
 
