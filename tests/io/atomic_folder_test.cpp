@@ -22,8 +22,8 @@ void put(const std::string& path, const FileBytes& bytes) {
 
 TEST(AtomicFolder, AppearsOnlyWhenCommitted) {
     const TemporaryFolder folder;
-    for (const char* name : {"a/b/maps", "slash/"}) {
-        const std::string path = folder.file(name);
+    for (const std::string& path :
+         {folder.file("a/b/maps"), folder.file("slash") + "/"}) {
         auto maps = AtomicFolder::create(path);
         ASSERT_TRUE(maps) << maps.error().message;
         put(maps->temporary_path() + "/one", {1});

@@ -26,7 +26,7 @@ uniform usampler2D lightCells;  // the same of lights, then (z, ∛z) of every l
 uniform usampler2D pairs;       // e of every pair and its subspace, lights outermost
 uniform sampler2D surface;      // unit normal N, height h in texels; a torus
 uniform sampler2D moments;      // means of s = max(0, N·l), s², √s over the surface, by l
-uniform sampler2DArray cells;   // layers 2k, 2k + 1: m and s of the pattern
+uniform sampler2DArray cells;   // layers 3k, 3k + 1, 3k + 2: m, s and l of the pattern
 uniform sampler2D phase;        // B⁻¹ D, toroidal like the fields
 uniform sampler2D toneCurves;   // rows (k, level): c of every plane of the pattern
 uniform vec4 subspaces[SUBSPACES * SUBSPACE_ROWS];
