@@ -196,13 +196,15 @@ void sweep(const std::string& path, FieldKind field, const char* name,
             options.structure = false;
             const Material material =
                 value_or_exit(analyse(crop, options, executor, progress)).material;
-            // A size that one transform draws, one that it does not, a window.
+            // A size that one transform draws, and one that it does not or a window.
             const std::size_t turn = static_cast<std::size_t>(order) + levels;
             constexpr std::size_t kWhole[] = {64, 250, 1000, 81};
             constexpr std::size_t kOther[] = {97, 333, 999};
             draw(material, kWhole[turn % 4], true, tally, executor);
-            draw(material, kOther[turn % 3], true, tally, executor);
-            draw(material, 1000, false, tally, executor);
+            if (turn % 2 == 0)
+                draw(material, kOther[turn / 2 % 3], true, tally, executor);
+            else
+                draw(material, 1000, false, tally, executor);
         }
     std::printf(
         "{\"picture\": \"%s\", \"model\": \"%s\", \"textures\": %zu, "

@@ -104,13 +104,17 @@ Result<BudgetedAnalysis> analyse_within(const Measurement& measurement,
 
     const Material first = result.analysis.material;
     const std::size_t first_bytes = result.bytes;
-    for (const Saving& saving : savings_of(options, first)) {
+    const std::vector<Saving> savings = savings_of(options, first);
+    for (const Saving& saving : savings) {
         saving.apply(options);
         result.savings.push_back(saving.name);
         // A tenth is what compression can do better on the smaller file.
         SATEEN_TRY(const double least,
                    least_bytes(first, first_bytes, saving.fields_left));
-        if (saving.fields_left > 0 && 0.9 * least > static_cast<double>(budget)) continue;
+        // The last is made in any case: an error says how few bytes there can be.
+        const bool hopeless =
+            saving.fields_left > 0 && 0.9 * least > static_cast<double>(budget);
+        if (hopeless && &saving != &savings.back()) continue;
         SATEEN_TRY(result.analysis,
                    analyse(measurement, options, executor, progress, surface));
         SATEEN_TRY(result.bytes, stored_bytes(result.analysis, provenance));
