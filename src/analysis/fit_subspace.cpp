@@ -239,10 +239,19 @@ Result<void> fit_levels(const std::vector<Image>& images, const AnalysisOptions&
     return {};
 }
 
+/// Whether the colours of the residual turn with the place in the cell. Its bands then look
+/// modulated for that reason; to modulate them as well makes saturated specks.
+bool is_mixed(const Subspace& subspace) {
+    return subspace.structure &&
+           std::ranges::any_of(subspace.structure->cells, [](const PeriodicCell& cell) {
+               return cell.mixing_step > 0;
+           });
+}
+
 /// Modulates the bands of a subspace where they vary enough, or where those of another one
 /// do.
-Result<void> modulate(const Image& planes, const SharedModulation* known, SubspaceFit& fit,
-                      Executor& executor) {
+Result<void> modulate(const Image& planes, const SharedModulation* known,
+                      SubspaceFit& fit, Executor& executor) {
     Subspace& subspace = fit.subspace;
     ModulationOptions options;
     options.shared = known;
@@ -311,8 +320,7 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
                                  const AnalysisOptions& options,
                                  const SpectralTransform* reference,
                                  const AlignedLayer* layer,
-                                 const SharedModulation* modulation,
-                                 Executor& executor) {
+                                 const SharedModulation* modulation, Executor& executor) {
     std::size_t side = std::numeric_limits<std::size_t>::max();
     for (const Image& image : images) side = std::min({side, image.rows(), image.cols()});
     const std::size_t levels = choose_levels(side, options);
@@ -357,7 +365,8 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     SATEEN_CHECK(fit_levels(images, options, fit, executor));
 
     // 4. What Gaussian fields lack: bands whose amplitude varies.
-    if (options.modulation && !options.paper)
+    if (options.modulation && !options.paper &&
+        (modulation != nullptr || !is_mixed(subspace)))
         SATEEN_CHECK(modulate(images.front(), modulation, fit, executor));
     return fit;
 }
