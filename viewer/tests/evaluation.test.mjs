@@ -65,7 +65,7 @@ for (const [name, make] of Object.entries(MATERIALS))
       const path = join(folder, 'reference.png');
       sateen('render', material, '-o', path, '--mesh', 'plane', '--scale', 1, '--texture', 256, '--exposure', 1,
         '--size', `${shown.width}x${shown.height}`, '--view', `${viewTheta},${viewPhi}`,
-        '--light', `${lightTheta},${lightPhi}`, ...(marched ? ['--displacement'] : []));
+        '--light', `${lightTheta},${lightPhi}`, ...(marched ? ['--relief', 'marched'] : []));
       const { samples } = readPng(path);
       const inside = seesPlane(viewTheta, viewPhi, shown.width, shown.height);
       let [sum, count] = [0, 0];
