@@ -297,20 +297,8 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
             result.notes.push_back("no reflectance: " + reflectance.error().message);
     }
 
-    // 2. Divide the shading of the surface out of the images, if it explains them. [CAR2]
-    //    multiplies by it without.
+    // 2. Find the pattern of the material, if it has one: the same for all subspaces.
     Reader reader(measurement, options.skip_bad, executor);
-    if (surface != nullptr) {
-        material.surface = surface->surface;
-        result.shading_share =
-            shading_share(measurement, representatives, *surface, executor);
-        material.surface->delit =
-            options.paper || result.shading_share >= kLeastShadingShare;
-        if (material.surface->delit && !options.paper)
-            reader.divide_by_shading_of(*surface);
-    }
-
-    // 3. Find the pattern of the material, if it has one: the same for all subspaces.
     std::optional<AlignedLayer> layer;
     if (options.structure && !options.paper) {
         progress.stage("looking for a pattern");
@@ -325,6 +313,18 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
                                    std::to_string(layer->photographs.size()) + " of " +
                                    std::to_string(photographs) +
                                    " photographs: the others are left out");
+    }
+
+    // 3. Divide the shading of the surface out of the images, if it explains them and no
+    //    pattern would be drawn out of step with it. [CAR2] multiplies by it without.
+    if (surface != nullptr) {
+        material.surface = surface->surface;
+        result.shading_share =
+            shading_share(measurement, representatives, *surface, executor);
+        material.surface->delit =
+            options.paper || (!layer && result.shading_share >= kLeastShadingShare);
+        if (material.surface->delit && !options.paper)
+            reader.divide_by_shading_of(*surface);
     }
 
     // 4. Factorise each representative and estimate its fields. The first subspace comes
@@ -345,7 +345,7 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
             reader.read(representatives.observations[k], notes);
         fits[k] = images ? fit_subspace(std::move(*images), fields, reference,
                                         layer ? &*layer : nullptr,
-                                         modulation ? &*modulation : nullptr, executor)
+                                        modulation ? &*modulation : nullptr, executor)
                          : Result<SubspaceFit>(std::move(images).error());
         const std::lock_guard lock(mutex);
         if (*fits[k])
