@@ -52,7 +52,9 @@ def make(context):
         "[CAR2, figure 8] shows what each part of its model gives. Smooth synthesis here is a "
         "material without range map, whose fields hold the shading as grain; in the combination "
         "the texture, free of shading, is multiplied by the shading of the range map, normalised so "
-        "that brightness is counted once ([evaluation](../theory/evaluation.md)).", "",
+        "that brightness is counted once ([evaluation](../theory/evaluation.md)). Corduroy and weave have a "
+        "pattern, which holds its shading ([de-lighting](../theory/delighting.md)): their smooth "
+        "synthesis is drawn as it is.", "",
         context.sheet(
             "rows", contact_sheet(rows, columns=captions, names=names),
             "Seen from above, 128 x 128 pixels, materials of 25 views x 25 lights",

@@ -123,7 +123,7 @@ def make(context):
         f"{PHOTOGRAPH[1][1]}°)",
     ))  # fmt: skip
     return "\n".join([
-        "Smooth textures are fitted to images divided by the shading of the range map, and drawn "
+        "Smooth textures of materials without a pattern are fitted to images divided by the shading of the range map, and drawn "
         "textures are multiplied by it: [delighting](../theory/delighting.md).", "",
         table(["", "of the contrast explained by shading", "divided by it", "material"], figures),
         *parts,
