@@ -295,9 +295,10 @@ Verb add_model(CLI::App& program) {
             const auto parsed = parse_neighbourhood(text);
             return parsed ? std::string() : parsed.error().message;
         });
-    verb->add_option("--structure", arguments->structure,
-                     "Patterns that repeat and bands that vary: auto, or none for Gaussian\n"
-                     "fields alone")
+    verb->add_option(
+            "--structure", arguments->structure,
+            "Patterns that repeat and bands that vary: auto, or none for Gaussian\n"
+            "fields alone")
         ->type_name("KIND")
         ->check(CLI::IsMember({"auto", "none"}))
         ->capture_default_str();

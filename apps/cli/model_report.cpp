@@ -81,8 +81,10 @@ std::string choice_table(const FieldChoice& choice) {
     if (choice.car2d + choice.gmrf2d + choice.car3d == 0 || choice.information_apart == 0)
         return {};
     std::string table =
-        "<h2>Field models</h2>\n<p>Chosen for the least Bayesian information <i>n D + k</i> "
-        "ln <i>n</i>, <i>D</i> Whittle's deviance of the model's spectrum from the sample's; "
+        "<h2>Field models</h2>\n<p>Chosen for the least Bayesian information <i>n D + "
+        "k</i> "
+        "ln <i>n</i>, <i>D</i> Whittle's deviance of the model's spectrum from the "
+        "sample's; "
         "all take as many bytes a coefficient.</p>\n<table><tr><th>model</th><th>fields"
         "</th><th>information, were all of it</th></tr>";
     const auto add = [&table](std::string_view name, std::size_t fields, double sum) {

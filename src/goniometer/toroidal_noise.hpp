@@ -26,8 +26,8 @@ struct NoiseKey {
 /// A jittered point a cell: which one is nearest [Worley 1996], and how far it is to
 /// the line from which another is as near.
 struct Cell {
-    float nearest = 0;   ///< distance to the nearest point, in cells
-    float border = 0;    ///< distance to the border with the second nearest, in cells
+    float nearest = 0;  ///< distance to the nearest point, in cells
+    float border = 0;   ///< distance to the border with the second nearest, in cells
     /// The softened minimum of the distances to all borders, in cells: round where several
     /// cells meet, below 0 near corners.
     float rounded = 0;

@@ -149,7 +149,8 @@ inline Material golden_modulated() {
         band.gain = 0.875F;
         for (std::size_t j = 0; j < AmplitudeCurve::kKnots; ++j) {
             band.of_value.values[j] = static_cast<std::int8_t>(j);
-            band.of_parent.values[j] = static_cast<std::int8_t>(4 * static_cast<int>(j) - 16);
+            band.of_parent.values[j] =
+                static_cast<std::int8_t>(4 * static_cast<int>(j) - 16);
             band.of_first.values[j] = static_cast<std::int8_t>(-static_cast<int>(i));
         }
     }

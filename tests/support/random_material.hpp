@@ -27,10 +27,10 @@ struct RandomMaterialOptions {
     bool complete = true;  ///< every pair of directions is measured
     /// Of the fields, by number in FieldModel; joint ones draw all planes.
     std::size_t model = 0;
-    bool structure = false;  ///< a periodic layer
+    bool structure = false;   ///< a periodic layer
     bool modulation = false;  ///< of the bands
-    std::size_t tiles = 0;   ///< of the range map; 0 for none
-    std::size_t rank = 0;    ///< of a reflectance, where not 0
+    std::size_t tiles = 0;    ///< of the range map; 0 for none
+    std::size_t rank = 0;     ///< of a reflectance, where not 0
 };
 
 class RandomMaterial {
