@@ -447,8 +447,10 @@ def page(results):
         lines += rival_lines(pictures["rivals"])
         if structure := pictures.get("structure"):
             lines += structure_lines(structure, pictures["rivals"])
-        lines += model_lines(pictures["models"], pictures["swept"])
-        lines += validity_lines(pictures["validity"], pictures["swept"])
+        if models := pictures.get("models"):
+            lines += model_lines(models, pictures["swept"])
+        if validity := pictures.get("validity"):
+            lines += validity_lines(validity, pictures["swept"])
     if found := results.get("directions"):
         lines += directions.elevation_lines(found) + directions.restoration_lines(found)
         lines += directions.pca_lines(found)
