@@ -194,6 +194,7 @@ void sweep(const std::string& path, FieldKind field, const char* name,
             options.levels = levels;
             options.neighbourhood = NeighbourhoodOptions{NeighbourhoodRule::order, order};
             options.structure = false;
+            options.modulation = false;  // its planes are of no variance 1, by design
             const Material material =
                 value_or_exit(analyse(crop, options, executor, progress)).material;
             // A size that one transform draws, and one that it does not or a window.

@@ -315,7 +315,8 @@ def model_lines(models, swept):
     return lines
 
 
-def validity_lines(validity, swept):
+def validity_lines(validity, pictures):
+    swept = [pathlib.Path(name).stem for name in dict.fromkeys(pictures)]
     lines = [
         "", "## No field is invalid", "",
         "`validity_bench`: orders 1 to 8, levels 1 to 5, each on the torus at 64, 81, 250 or 1000 x "
@@ -450,7 +451,7 @@ def page(results):
         if models := pictures.get("models"):
             lines += model_lines(models, pictures["swept"])
         if validity := pictures.get("validity"):
-            lines += validity_lines(validity, pictures["swept"])
+            lines += validity_lines(validity, [row["picture"] for row in validity])
     if found := results.get("directions"):
         lines += directions.elevation_lines(found) + directions.restoration_lines(found)
         lines += directions.pca_lines(found)
