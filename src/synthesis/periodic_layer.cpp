@@ -45,20 +45,6 @@ double strain_of(const PeriodicLayer& layer, std::size_t rows, std::size_t cols)
                 a[1] * down[0] + b[1] * down[1], a[1] * across[0] + b[1] * across[1] - 1);
 }
 
-/// The cubic of Catmull and Rom.
-std::array<float, 4> cubic_weights(double t) {
-    const double t2 = t * t;
-    const double t3 = t2 * t;
-    return {static_cast<float>((-t3 + 2 * t2 - t) / 2),
-            static_cast<float>((3 * t3 - 5 * t2 + 2) / 2),
-            static_cast<float>((-3 * t3 + 4 * t2 + t) / 2),
-            static_cast<float>((t3 - t2) / 2)};
-}
-
-std::int32_t site_at(std::int64_t pixel, double step) {
-    return static_cast<std::int32_t>(std::floor(static_cast<double>(pixel) / step));
-}
-
 /// q(g) of one plane.
 float apply(const Marginal& marginal, float g) {
     if (marginal.knots.empty()) return marginal.scale * g;
@@ -150,38 +136,30 @@ Result<PeriodicPhase> PeriodicPhase::create(const PeriodicLayer& layer,
     return phase;
 }
 
-PeriodicPhase::Window::Taps PeriodicPhase::Window::taps_at(std::int64_t pixel,
-                                                           double step,
-                                                           std::int32_t first_site) {
-    const std::int32_t site = site_at(pixel, step);
-    const double t = static_cast<double>(pixel) / step - static_cast<double>(site);
-    return {static_cast<std::size_t>(site - 1 - first_site), cubic_weights(t)};
-}
-
 PeriodicPhase::Window::Window(const PeriodicPhase& phase, std::int32_t row,
                               std::int32_t col, std::size_t rows, std::size_t cols,
                               Executor& executor)
     : phase_(phase), row_(row), col_(col) {
     const std::int64_t last_row = std::int64_t{row} + static_cast<std::int64_t>(rows) - 1;
     const std::int64_t last_col = std::int64_t{col} + static_cast<std::int64_t>(cols) - 1;
-    first_row_ = site_at(row, phase.row_step_) - 1;
-    const std::int32_t first_col = site_at(col, phase.col_step_) - 1;
+    first_row_ = site_before(row, phase.row_step_) - 1;
+    const std::int32_t first_col = site_before(col, phase.col_step_) - 1;
     const auto count = [](std::int32_t first, std::int32_t last) {
         return static_cast<std::size_t>(last + 3 - first);
     };
-    sites_ = Image(2, count(first_row_, site_at(last_row, phase.row_step_)),
-                   count(first_col, site_at(last_col, phase.col_step_)));
+    sites_ = Image(2, count(first_row_, site_before(last_row, phase.row_step_)),
+                   count(first_col, site_before(last_col, phase.col_step_)));
     for (std::size_t axis = 0; axis < 2; ++axis)
         phase.displacement_[axis].draw(first_row_, first_col, sites_.plane(axis),
                                        executor);
     for (std::int64_t c = col; c <= last_col; ++c)
-        col_taps_.push_back(taps_at(c, phase.col_step_, first_col));
+        col_taps_.push_back(cubic_taps(c, phase.col_step_, first_col));
 }
 
 void PeriodicPhase::Window::phases(std::size_t r, std::span<double> u,
                                    std::span<double> v) const {
     const std::int64_t row = std::int64_t{row_} + static_cast<std::int64_t>(r);
-    const Taps down = taps_at(row, phase_.row_step_, first_row_);
+    const CubicTaps down = cubic_taps(row, phase_.row_step_, first_row_);
     std::array<std::vector<float>, 2> D;
     for (std::size_t axis = 0; axis < 2; ++axis) {
         D[axis].resize(sites_.cols());
@@ -192,7 +170,7 @@ void PeriodicPhase::Window::phases(std::size_t r, std::span<double> u,
         }
     }
     for (std::size_t c = 0; c < u.size(); ++c) {
-        const Taps& across = col_taps_[c];
+        const CubicTaps& across = col_taps_[c];
         std::array<float, 2> at{};
         for (std::size_t axis = 0; axis < 2; ++axis)
             for (std::size_t i = 0; i < 4; ++i)

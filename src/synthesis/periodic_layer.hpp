@@ -15,6 +15,7 @@
 #include "sateen/core/result.hpp"
 #include "sateen/material/cell_table.hpp"
 #include "sateen/material/material.hpp"
+#include "synthesis/cubic_taps.hpp"
 #include "synthesis/smooth_field.hpp"
 
 namespace sateen {
@@ -45,18 +46,11 @@ class PeriodicPhase {
         void phases(std::size_t r, std::span<double> u, std::span<double> v) const;
 
       private:
-        /// Four sites around a pixel and their weights.
-        struct Taps {
-            std::size_t first;
-            std::array<float, 4> weights;
-        };
-        static Taps taps_at(std::int64_t pixel, double step, std::int32_t first_site);
-
         const PeriodicPhase& phase_;
         std::int32_t row_;
         std::int32_t col_;
         std::int32_t first_row_;  ///< site of the first row of sites_
-        std::vector<Taps> col_taps_;
+        std::vector<CubicTaps> col_taps_;
         Image sites_;  ///< (2, …)
     };
 
