@@ -306,22 +306,26 @@ class Picture {
         }
     }
 
+    /// Direction j of the N that the samples of a pixel share: the Fibonacci lattice
+    /// (j / N, j φ mod 1), φ the golden section, which leaves no part of the map out, moved
+    /// as a whole by a random vector of the pixel so that no two err alike.
     [[nodiscard]] Environment::Sample environment_sample(std::size_t site,
                                                          std::size_t sample,
                                                          std::size_t k) const {
+        constexpr double kGoldenSection = 0.618033988749894848;
         const std::size_t n = options_.environment_samples;
-        const auto words = philox4x32_10(
-            {static_cast<std::uint32_t>(site), static_cast<std::uint32_t>(sample),
-             static_cast<std::uint32_t>(k), 0xE7U},
-            {static_cast<std::uint32_t>(options_.seed),
-             static_cast<std::uint32_t>(options_.seed >> 32)});
-        const auto uniform = [](std::uint32_t word) {
-            return static_cast<float>(word >> 8) * 0x1p-24F;
+        const auto words =
+            philox4x32_10({static_cast<std::uint32_t>(site), 0, 0, 0xE7U},
+                          {static_cast<std::uint32_t>(options_.seed),
+                           static_cast<std::uint32_t>(options_.seed >> 32)});
+        const auto moved = [](double at, std::uint32_t word) {
+            const double sum = at + static_cast<double>(word) * 0x1p-32;
+            return std::min(static_cast<float>(sum - std::floor(sum)), 1 - 0x1p-24F);
         };
-        const float stratum =
-            (static_cast<float>(kStratum[sample] * n + k) + uniform(words[0])) /
-            static_cast<float>(kSamples * n);
-        return scene_.environment->sample({stratum, uniform(words[1])});
+        const auto j = static_cast<double>(kStratum[sample] * n + k);
+        return scene_.environment->sample(
+            {moved(j / static_cast<double>(kSamples * n), words[0]),
+             moved(j * kGoldenSection, words[1])});
     }
 
     /// What is seen past the object; what is seen of it is left pending.
