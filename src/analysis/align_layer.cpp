@@ -61,7 +61,7 @@ class Alignment {
         }
     }
 
-    AlignedLayer result(double periodicity) && {
+    Result<AlignedLayer> result(double periodicity) && {
         AlignedLayer aligned;
         PeriodicLayer& layer = aligned.layer;
         layer.a = {static_cast<float>(map_.a()[0]), static_cast<float>(map_.a()[1])};
@@ -71,9 +71,12 @@ class Alignment {
         const double octave = std::floor(std::log2(std::max(1.0, kSpacing * cell_)));
         layer.spacing = static_cast<std::uint16_t>(
             std::min(std::exp2(octave), double{PeriodicLayer::kMaxSpacing}));
-        for (std::size_t axis = 0; axis < 2; ++axis)
-            layer.displacement[axis] = fit_smooth_field(
-                sampled(D_.plane(axis), layer.spacing).plane(0), executor_);
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            const Image sites = sampled(D_.plane(axis), layer.spacing);
+            SATEEN_TRY(const CovarianceTable R,
+                       covariances_of(sites.plane(0), executor_));
+            layer.displacement[axis] = fit_smooth_field(R);
+        }
         aligned.displacements.push_back(std::move(D_));
         aligned.periodicity = periodicity;
         return aligned;
@@ -113,7 +116,8 @@ Result<std::optional<AlignedLayer>> align_layer(const Image& planes, Executor& e
     if (!lattice) return std::optional<AlignedLayer>();
     Alignment alignment(planes, *lattice, executor);
     alignment.run();
-    return std::optional<AlignedLayer>(std::move(alignment).result(lattice->periodicity));
+    SATEEN_TRY(AlignedLayer layer, std::move(alignment).result(lattice->periodicity));
+    return std::optional<AlignedLayer>(std::move(layer));
 }
 
 }  // namespace sateen

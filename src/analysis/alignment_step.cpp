@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -18,6 +19,8 @@ constexpr double kDamping = 0.25;
 constexpr double kGridOfWindow = 2.5;
 /// Wide windows need not every pixel: at least so many a deviation.
 constexpr double kPixelsOfWindow = 10;
+/// And so many for each site of the cell.
+constexpr std::size_t kPixelsOfSite = 16;
 /// The accumulated sums of one window: Σ g gᵀ and Σ g r.
 constexpr std::size_t kSums = 5;
 
@@ -56,57 +59,67 @@ void blur(PlaneView<float> plane, double sigma) {
             [&](std::size_t r, float v) { plane(r, c) = v; });
 }
 
-/// The cell of every plane with its derivatives along u and v, per unit of phase, by central
-/// differences; all of a site together.
+/// The cell of every plane with its derivatives along rows and columns, per pixel, by central
+/// differences; all of a site together, in vectors of the machine.
 class CellWithGradient {
   public:
-    explicit CellWithGradient(const Image& cells)
-        : bands_(cells.bands()), P_(cells.rows()), Q_(cells.cols()) {
-        values_.resize(P_ * Q_ * 3 * bands_);
-        for (std::size_t plane = 0; plane < bands_; ++plane)
-            for (std::size_t r = 0; r < P_; ++r)
-                for (std::size_t c = 0; c < Q_; ++c) {
-                    float* site = values_.data() + ((r * Q_ + c) * bands_ + plane) * 3;
-                    site[0] = cells(plane, r, c);
-                    site[1] = static_cast<float>(P_) / 2 *
-                              (cells(plane, (r + 1) % P_, c) -
-                               cells(plane, (r + P_ - 1) % P_, c));
-                    site[2] = static_cast<float>(Q_) / 2 *
-                              (cells(plane, r, (c + 1) % Q_) -
-                               cells(plane, r, (c + Q_ - 1) % Q_));
+    static constexpr std::size_t kLanes = 4;
+    using Lanes = std::array<float, kLanes>;
+    /// m, then its derivatives, of all planes; 0 beyond them.
+    using Site = std::array<Lanes, 3>;
+
+    CellWithGradient(const Image& cells, const LatticeMap& map) {
+        const std::size_t P = cells.rows();
+        const std::size_t Q = cells.cols();
+        assert(cells.bands() <= kLanes);
+        const auto down = map.to_cell(1, 0);
+        const auto across = map.to_cell(0, 1);
+        sites_.resize(P * Q);
+        for (std::size_t plane = 0; plane < cells.bands(); ++plane)
+            for (std::size_t r = 0; r < P; ++r)
+                for (std::size_t c = 0; c < Q; ++c) {
+                    const float gu =
+                        static_cast<float>(P) / 2 *
+                        (cells(plane, (r + 1) % P, c) - cells(plane, (r + P - 1) % P, c));
+                    const float gv =
+                        static_cast<float>(Q) / 2 *
+                        (cells(plane, r, (c + 1) % Q) - cells(plane, r, (c + Q - 1) % Q));
+                    Site& site = sites_[r * Q + c];
+                    site[0][plane] = cells(plane, r, c);
+                    site[1][plane] = gu * static_cast<float>(down[0]) +
+                                     gv * static_cast<float>(down[1]);
+                    site[2][plane] = gu * static_cast<float>(across[0]) +
+                                     gv * static_cast<float>(across[1]);
                 }
     }
 
-    /// m and its derivatives of a plane.
-    [[nodiscard]] std::array<float, 3> read(const CellTaps& taps,
-                                            std::size_t plane) const {
-        std::array<float, 3> sum{};
+    [[nodiscard]] Site read(const CellTaps& taps) const {
+        Site sum{};
         for (std::size_t k = 0; k < 4; ++k) {
-            const float* site = values_.data() + (taps.sites[k] * bands_ + plane) * 3;
-            for (std::size_t i = 0; i < 3; ++i) sum[i] += taps.weights[k] * site[i];
+            const Site& site = sites_[taps.sites[k]];
+            for (std::size_t i = 0; i < sum.size(); ++i)
+                for (std::size_t lane = 0; lane < kLanes; ++lane)
+                    sum[i][lane] += taps.weights[k] * site[i][lane];
         }
         return sum;
     }
 
   private:
-    std::size_t bands_;
-    std::size_t P_;
-    std::size_t Q_;
-    std::vector<float> values_;
+    std::vector<Site> sites_;
 };
 
 /// Of Σ g gᵀ: rows, columns, mixed; of Σ g r: rows, columns; over the blocks of a grid.
 Image gradient_sums(const Image& Y, const LatticeMap& map, const AlignmentStep& step,
                     const Image& D, std::size_t grid, Executor& executor) {
-    const CellWithGradient cells(
-        fold({&Y, 1}, map, {&D, 1}, step.rows, step.cols, executor));
-    const auto down = map.to_cell(1, 0);
-    const auto across = map.to_cell(0, 1);
-    const std::array<float, 4> chain = {
-        static_cast<float>(down[0]), static_cast<float>(down[1]),
-        static_cast<float>(across[0]), static_cast<float>(across[1])};
     const auto stride =
         std::max<std::size_t>(1, static_cast<std::size_t>(step.window / kPixelsOfWindow));
+    const auto dense = static_cast<std::size_t>(
+        std::sqrt(static_cast<double>(D.plane_size()) /
+                  static_cast<double>(step.rows * step.cols * kPixelsOfSite)));
+    const CellWithGradient cells(
+        fold({&Y, 1}, map, {&D, 1}, step.rows, step.cols, executor, 0,
+             std::clamp<std::size_t>(dense, 1, stride)),
+        map);
     Image sums(kSums, (D.rows() + grid - 1) / grid, (D.cols() + grid - 1) / grid);
     parallel_for(executor, sums.rows(), [&](std::size_t block_row) {
         const std::size_t end = std::min((block_row + 1) * grid, D.rows());
@@ -114,17 +127,15 @@ Image gradient_sums(const Image& Y, const LatticeMap& map, const AlignmentStep& 
             for (std::size_t c = 0; c < D.cols(); c += stride) {
                 const auto u = phase_at(map, D, r, c);
                 const CellTaps taps(u[0], u[1], step.rows, step.cols);
+                const auto [mean, down, across] = cells.read(taps);
                 std::array<float, kSums> add{};
                 for (std::size_t plane = 0; plane < Y.bands(); ++plane) {
-                    const auto [mean, gu, gv] = cells.read(taps, plane);
-                    const float rest = Y(plane, r, c) - mean;
-                    const float row = gu * chain[0] + gv * chain[1];
-                    const float col = gu * chain[2] + gv * chain[3];
-                    add[0] += row * row;
-                    add[1] += col * col;
-                    add[2] += row * col;
-                    add[3] += row * rest;
-                    add[4] += col * rest;
+                    const float rest = Y(plane, r, c) - mean[plane];
+                    add[0] += down[plane] * down[plane];
+                    add[1] += across[plane] * across[plane];
+                    add[2] += down[plane] * across[plane];
+                    add[3] += down[plane] * rest;
+                    add[4] += across[plane] * rest;
                 }
                 for (std::size_t k = 0; k < kSums; ++k)
                     sums(k, block_row, c / grid) += add[k];

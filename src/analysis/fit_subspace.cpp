@@ -249,16 +249,22 @@ bool is_mixed(const Subspace& subspace) {
 }
 
 /// Modulates the bands of a subspace where they vary enough, or where those of another one
-/// do.
-Result<void> modulate(const Image& planes, const SharedModulation* known,
-                      SubspaceFit& fit, Executor& executor) {
+/// do. The middle of large images says it as well.
+Result<void> modulate(Image planes, const SharedModulation* known, SubspaceFit& fit,
+                      Executor& executor) {
+    constexpr std::size_t kMostSide = 1024;
+    const std::size_t rows = planes.rows();
+    const std::size_t cols = planes.cols();
     Subspace& subspace = fit.subspace;
     ModulationOptions options;
     options.shared = known;
     options.joint = planes_of(subspace.levels.front().fields.front()) > 1;
+    const Image middle =
+        middle_window(std::move(planes), fft_size_at_most(std::min(kMostSide, rows)),
+                      fft_size_at_most(std::min(kMostSide, cols)));
     SATEEN_TRY(ModulationFit found,
-               fit_band_modulation(planes, subspace.marginals, options, executor));
-    if (known == nullptr && found.excess < least_excess(planes.plane_size())) return {};
+               fit_band_modulation(middle, subspace.marginals, options, executor));
+    if (known == nullptr && found.excess < least_excess(middle.plane_size())) return {};
     subspace.modulation = found.modulation.curves;
     fit.modulation = std::move(found.modulation);
     subspace.marginals = std::move(found.marginals);
@@ -367,7 +373,7 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     // 4. What Gaussian fields lack: bands whose amplitude varies.
     if (options.modulation && !options.paper &&
         (modulation != nullptr || !is_mixed(subspace)))
-        SATEEN_CHECK(modulate(images.front(), modulation, fit, executor));
+        SATEEN_CHECK(modulate(std::move(images.front()), modulation, fit, executor));
     return fit;
 }
 

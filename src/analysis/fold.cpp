@@ -3,6 +3,8 @@
 #include "analysis/fold.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <vector>
 
 namespace sateen {
@@ -12,32 +14,47 @@ namespace {
 /// number of threads.
 constexpr std::size_t kParts = 8;
 
+/// What a site has of all planes, and its weight in the last: one vector of the machine.
+constexpr std::size_t kLanes = CellTable::kPlanes + 1;
+using Lanes = std::array<float, kLanes>;
+
 }  // namespace
 
 Image fold(std::span<const Image> images, const LatticeMap& map,
            std::span<const Image> displacements, std::size_t P, std::size_t Q,
-           Executor& executor, double first) {
+           Executor& executor, double first, std::size_t stride) {
     const std::size_t d = images.front().bands();
-    // Of the planes, then of the weights: all of a site together.
-    std::vector<std::vector<float>> sums(images.size() * kParts);
+    assert(d < kLanes);
+    std::vector<std::vector<Lanes>> sums(images.size() * kParts);
     parallel_for(executor, sums.size(), [&](std::size_t number) {
         const Image& planes = images[number / kParts];
         const Image& displacement = displacements[number / kParts];
         const std::size_t part = number % kParts;
-        std::vector<float>& sum = sums[number];
-        sum.resize(P * Q * (d + 1));
-        const std::size_t end = (part + 1) * planes.rows() / kParts;
-        for (std::size_t r = part * planes.rows() / kParts; r < end; ++r)
-            for (std::size_t c = 0; c < planes.cols(); ++c) {
+        std::vector<Lanes>& sum = sums[number];
+        sum.resize(P * Q);
+        // Whole strides: the same pixels whatever the parts.
+        const auto row = [&](std::size_t k) {
+            return (k * planes.rows() / kParts + stride - 1) / stride * stride;
+        };
+        const std::size_t end = std::min(row(part + 1), planes.rows());
+        for (std::size_t r = row(part); r < end; r += stride) {
+            std::array<const float*, kLanes> rows{};
+            for (std::size_t plane = 0; plane < d; ++plane)
+                rows[plane] = planes.plane(plane).row(r);
+            for (std::size_t c = 0; c < planes.cols(); c += stride) {
                 const auto u = phase_at(map, displacement, r, c);
                 const CellTaps taps(u[0], u[1], P, Q, first);
+                Lanes value{};
+                for (std::size_t plane = 0; plane < d; ++plane)
+                    value[plane] = rows[plane][c];
+                value[kLanes - 1] = 1;
                 for (std::size_t k = 0; k < 4; ++k) {
-                    float* site = sum.data() + taps.sites[k] * (d + 1);
-                    for (std::size_t plane = 0; plane < d; ++plane)
-                        site[plane] += taps.weights[k] * planes(plane, r, c);
-                    site[d] += taps.weights[k];
+                    Lanes& site = sum[taps.sites[k]];
+                    for (std::size_t lane = 0; lane < kLanes; ++lane)
+                        site[lane] += taps.weights[k] * value[lane];
                 }
             }
+        }
     });
     Image cells(d, P, Q);
     for (std::size_t plane = 0; plane < d; ++plane) {
@@ -45,10 +62,10 @@ Image fold(std::span<const Image> images, const LatticeMap& map,
         double pixels = 0;
         std::vector<double> weights(P * Q);
         std::vector<double> values(P * Q);
-        for (const std::vector<float>& sum : sums)
+        for (const std::vector<Lanes>& sum : sums)
             for (std::size_t i = 0; i < P * Q; ++i) {
-                values[i] += static_cast<double>(sum[i * (d + 1) + plane]);
-                weights[i] += static_cast<double>(sum[i * (d + 1) + d]);
+                values[i] += static_cast<double>(sum[i][plane]);
+                weights[i] += static_cast<double>(sum[i][kLanes - 1]);
             }
         for (std::size_t i = 0; i < P * Q; ++i) {
             total += values[i];

@@ -26,10 +26,12 @@ namespace sateen {
 /// sites around it, linearly. Sites without pixels become the mean of all.
 /// \param displacements  one an image
 /// \param first  phase of the first site, in steps
+/// \param stride every so many rows and columns only
 /// \returns      (d, P, Q)
 [[nodiscard]] Image fold(std::span<const Image> images, const LatticeMap& map,
                          std::span<const Image> displacements, std::size_t P,
-                         std::size_t Q, Executor& executor, double first = 0);
+                         std::size_t Q, Executor& executor, double first = 0,
+                         std::size_t stride = 1);
 
 /// planes - cells at the phases of the pixels, linear between sites.
 [[nodiscard]] Image subtract_cells(const Image& planes, const LatticeMap& map,

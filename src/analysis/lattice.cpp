@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "analysis/lattice_search.hpp"
@@ -154,18 +155,47 @@ PlaneView<const float> middle(PlaneView<const float> plane) {
     return plane.window((plane.rows - rows) / 2, (plane.cols - cols) / 2, rows, cols);
 }
 
-}  // namespace
+/// Means of 2 x 2 pixels.
+Image halved(PlaneView<const float> plane) {
+    Image half(1, plane.rows / 2, plane.cols / 2, uninitialised);
+    for (std::size_t r = 0; r < half.rows(); ++r)
+        for (std::size_t c = 0; c < half.cols(); ++c)
+            half(0, r, c) = (plane(2 * r, 2 * c) + plane(2 * r, 2 * c + 1) +
+                             plane(2 * r + 1, 2 * c) + plane(2 * r + 1, 2 * c + 1)) /
+                            4;
+    return half;
+}
 
-Result<std::optional<Lattice>> find_lattice(PlaneView<const float> plane,
-                                            Executor& executor) {
-    if (std::min(plane.rows, plane.cols) < kSmallestSide) return std::optional<Lattice>();
-    SATEEN_TRY(const Autocorrelation A, Autocorrelation::of(middle(plane), executor));
+Result<std::optional<Lattice>> search(PlaneView<const float> plane, Executor& executor) {
+    SATEEN_TRY(const Autocorrelation A, Autocorrelation::of(plane, executor));
     const std::vector<Scored> lattices = refined_pairs(A, executor);
     if (lattices.empty()) return std::optional<Lattice>();
     const Scored& best = choose(lattices);
     const Lattice lattice{best.basis.a, best.basis.b, best.rho, threshold_of(A, best)};
     if (lattice.periodicity <= lattice.threshold) return std::optional<Lattice>();
     return std::optional<Lattice>(lattice);
+}
+
+}  // namespace
+
+Result<std::optional<Lattice>> find_lattice(PlaneView<const float> plane,
+                                            Executor& executor) {
+    if (std::min(plane.rows, plane.cols) < kSmallestSide) return std::optional<Lattice>();
+    SATEEN_TRY(std::optional<Lattice> found, search(middle(plane), executor));
+    // Cells too large, or too bent, to repeat in the middle of a large image may repeat in
+    // a smaller picture of it.
+    Image smaller;
+    for (double scale = 2; !found && std::max(plane.rows, plane.cols) > kLargestSide &&
+                           std::min(plane.rows, plane.cols) >= 2 * kSmallestSide;
+         scale *= 2) {
+        smaller = halved(plane);
+        plane = std::as_const(smaller).plane(0);
+        SATEEN_TRY(found, search(middle(plane), executor));
+        if (!found) continue;
+        for (Vector* vector : {&found->a, &found->b})
+            for (double& part : *vector) part *= scale;
+    }
+    return found;
 }
 
 }  // namespace sateen

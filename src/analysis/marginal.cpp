@@ -106,6 +106,15 @@ double normal_quantile(double p) {
     return x - u / (1 + x * u / 2);
 }
 
+double value_at(const Marginal& marginal, double g) {
+    const auto scale = static_cast<double>(marginal.scale);
+    if (marginal.knots.empty()) return scale * g;
+    const HatPosition at = hat_position(g);
+    const auto low = static_cast<double>(marginal.knots[at.knot]);
+    return scale *
+           (low + at.fraction * (static_cast<double>(marginal.knots[at.knot + 1]) - low));
+}
+
 MarginalDistribution::MarginalDistribution(
     std::span<const PlaneView<const float>> planes) {
     bin_of_key_.assign(std::size_t{1} << kKeyBits, 0);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "sateen/core/fft.hpp"
+
 namespace sateen {
 namespace {
 
@@ -25,17 +27,6 @@ std::array<double, kScales> bells(std::size_t lag) {
     return values;
 }
 
-/// The mean of y(x) y(x + (row, ±col)): a mixture of bells is even in both.
-double covariance(PlaneView<const float> y, std::size_t row, std::size_t col) {
-    double sum = 0;
-    for (std::size_t r = 0; r + row < y.rows; ++r)
-        for (std::size_t c = 0; c + col < y.cols; ++c)
-            sum +=
-                static_cast<double>(y(r, c)) * static_cast<double>(y(r + row, c + col)) +
-                static_cast<double>(y(r, c + col)) * static_cast<double>(y(r + row, c));
-    return sum / (2 * static_cast<double>((y.rows - row) * (y.cols - col)));
-}
-
 }  // namespace
 
 CovarianceTable::CovarianceTable(std::size_t rows, std::size_t cols)
@@ -43,12 +34,33 @@ CovarianceTable::CovarianceTable(std::size_t rows, std::size_t cols)
       across(std::min(kFurthestLag, cols / 2)),
       values((down + 1) * (across + 1)) {}
 
-SmoothField fit_smooth_field(PlaneView<const float> sample, Executor& executor) {
-    CovarianceTable R(sample.rows, sample.cols);
-    parallel_for(executor, R.down + 1, [&](std::size_t r) {
-        for (std::size_t c = 0; c <= R.across; ++c) R(r, c) = covariance(sample, r, c);
-    });
-    return fit_smooth_field(R);
+// By a transform of the sample with zeros about it.
+Result<CovarianceTable> covariances_of(PlaneView<const float> sample,
+                                       Executor& executor) {
+    CovarianceTable table(sample.rows, sample.cols);
+    Image padded(1, fft_size_at_least(sample.rows + table.down),
+                 fft_size_at_least(sample.cols + table.across));
+    for (std::size_t r = 0; r < sample.rows; ++r)
+        std::copy_n(sample.row(r), sample.cols, padded.plane(0).row(r));
+    SATEEN_TRY(const Fft2d fft, Fft2d::create(padded.rows(), padded.cols()));
+    SplitComplexPlane spectrum(fft.rows(), fft.spectrum_cols());
+    const SplitComplexView<float> s = spectrum.view();
+    fft.forward(padded.plane(0), s, executor);
+    for (std::size_t m = 0; m < fft.rows(); ++m)
+        for (std::size_t n = 0; n < fft.spectrum_cols(); ++n) {
+            s.re(m, n) = s.re(m, n) * s.re(m, n) + s.im(m, n) * s.im(m, n);
+            s.im(m, n) = 0;
+        }
+    fft.inverse(s, padded.plane(0), executor);
+    for (std::size_t r = 0; r <= table.down; ++r)
+        for (std::size_t c = 0; c <= table.across; ++c) {
+            const std::size_t mirrored = c == 0 ? 0 : padded.cols() - c;
+            const double sum = static_cast<double>(padded(0, r, c)) +
+                               static_cast<double>(padded(0, r, mirrored));
+            table(r, c) =
+                sum / static_cast<double>(2 * (sample.rows - r) * (sample.cols - c));
+        }
+    return table;
 }
 
 SmoothField fit_smooth_field(const CovarianceTable& R) {

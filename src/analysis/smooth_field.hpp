@@ -8,6 +8,7 @@
 
 #include "sateen/core/image.hpp"
 #include "sateen/core/parallel.hpp"
+#include "sateen/core/result.hpp"
 #include "sateen/material/structure.hpp"
 
 namespace sateen {
@@ -28,14 +29,14 @@ struct CovarianceTable {
     }
 };
 
-/// The smooth field whose covariances are nearest to those given.
-[[nodiscard]] SmoothField fit_smooth_field(const CovarianceTable& R);
+/// The mean of y(x) y(x + (r, ±c)): a mixture of bells is even in both.
+/// \param sample  y, about 0
+[[nodiscard]] Result<CovarianceTable> covariances_of(PlaneView<const float> sample,
+                                                     Executor& executor);
 
-/// The smooth field whose covariances are nearest to those of a sample, in least squares
-/// over lags up to 40 sites or half the sample, each with the weight of its reciprocal
-/// distance: weights that are not negative, by coordinate descent.
-/// \param sample  about 0
-[[nodiscard]] SmoothField fit_smooth_field(PlaneView<const float> sample,
-                                           Executor& executor);
+/// The smooth field whose covariances are nearest to those given, in least squares, each
+/// with the weight of its reciprocal distance: weights that are not negative, by coordinate
+/// descent.
+[[nodiscard]] SmoothField fit_smooth_field(const CovarianceTable& R);
 
 }  // namespace sateen

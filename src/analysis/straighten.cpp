@@ -2,6 +2,7 @@
 // What of a displacement is affine goes into the basis. See alignment_step.hpp.
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "analysis/alignment_step.hpp"
 
@@ -18,13 +19,19 @@ LatticeMap straighten(const LatticeMap& map, Image& D, Executor& executor) {
     const double col_power =
         (static_cast<double>(D.cols()) * static_cast<double>(D.cols()) - 1) / 12 * n;
     for (std::size_t axis = 0; axis < 2; ++axis)
-        for (std::size_t r = 0; r < D.rows(); ++r)
+        for (std::size_t r = 0; r < D.rows(); ++r) {
+            const float* row = std::as_const(D).plane(axis).row(r);
+            double sum = 0;
+            double moment = 0;
             for (std::size_t c = 0; c < D.cols(); ++c) {
-                const auto d = static_cast<double>(D(axis, r, c));
-                fit[axis][0] += d * (static_cast<double>(r) - middle_row) / row_power;
-                fit[axis][1] += d * (static_cast<double>(c) - middle_col) / col_power;
-                fit[axis][2] += d / n;
+                sum += static_cast<double>(row[c]);
+                moment +=
+                    static_cast<double>(row[c]) * (static_cast<double>(c) - middle_col);
             }
+            fit[axis][0] += sum * (static_cast<double>(r) - middle_row) / row_power;
+            fit[axis][1] += moment / col_power;
+            fit[axis][2] += sum / n;
+        }
     const double m00 = 1 + fit[0][0];
     const double m01 = fit[0][1];
     const double m10 = fit[1][0];

@@ -86,6 +86,17 @@ TEST(Lattice, OfKnownPatternsIsFoundToTwoHundredthsOfAPixel) {
         }
 }
 
+// 0.34 of the side, of the largest that is searched at its own resolution, are 348 pixels.
+TEST(Lattice, OfLargeCellsOfALargeImageIsFoundInASmallerPictureOfIt) {
+    SerialExecutor executor;
+    const Known known{{380.5, 20}, {-31, 441.2}};
+    const Image image = pattern(known.a, known.b, 0.5, 2080, 2100, 1);
+    const auto found = find_lattice(image.plane(0), executor);
+    ASSERT_TRUE(found && found->has_value());
+    EXPECT_LT(distance((*found)->a, known.a), 2 * tolerance(known.a));
+    EXPECT_LT(distance((*found)->b, known.b), 2 * tolerance(known.b));
+}
+
 TEST(Lattice, OfStripesNeedsThreeOfThem) {
     SerialExecutor executor;
     const auto stripes = [](double period) {

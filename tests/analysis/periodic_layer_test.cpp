@@ -342,13 +342,15 @@ TEST(SmoothFieldFit, FindsTheScalesOfAField) {
                                                   c + static_cast<std::size_t>(20 + j)));
             sample(0, r, c) = static_cast<float>(sum);
         }
-    const SmoothField field = fit_smooth_field(sample.plane(0), executor);
+    const SmoothField field =
+        fit_smooth_field(*covariances_of(sample.plane(0), executor));
     double total = 0;
     for (const std::uint8_t weight : field.weights) total += weight;
     EXPECT_GT(field.weights[2 * SmoothField::kScales] / total, 0.6);
     EXPECT_NEAR(static_cast<double>(field.deviation),
                 std::sqrt(variance(sample.plane(0))), 0.3);
-    EXPECT_EQ(fit_smooth_field(Image(1, 20, 20).plane(0), executor), SmoothField{});
+    EXPECT_EQ(fit_smooth_field(*covariances_of(Image(1, 20, 20).plane(0), executor)),
+              SmoothField{});
 }
 
 }  // namespace

@@ -32,9 +32,10 @@ struct Lattice {
 /// pattern changes along one direction only, ρ must exceed 0.07 + 0.7/√k as well, k ≥ 3
 /// periods of it in half the side: a purely random texture of streaks repeats by chance.
 /// \param plane  any size of at least 64 pixels a side, nothing for smaller ones; of large
-///               ones a window of 1024 in the middle counts
+///               ones a window of 1024 in the middle counts, and if there is nothing in it that
+///               of the picture at half the size, a quarter …
 /// \returns      vectors up to 0.34 of the side
-/// \cost         two Fourier transforms of 1.5 times the side, and 0.1 s
+/// \cost         two Fourier transforms of 1.5 times the side, and 0.1 s, for each size
 [[nodiscard]] Result<std::optional<Lattice>> find_lattice(PlaneView<const float> plane,
                                                           Executor& executor);
 

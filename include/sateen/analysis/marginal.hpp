@@ -49,6 +49,9 @@ class MarginalDistribution {
     double deviation_ = 0;
 };
 
+/// q(g)
+[[nodiscard]] double value_at(const Marginal& marginal, double g);
+
 /// Φ⁻¹(p), 0 < p < 1, to about 1e-9 relative [Acklam, one step of Halley].
 [[nodiscard]] double normal_quantile(double p);
 
