@@ -24,11 +24,14 @@ class LevelDensity {
     LevelDensity(const std::vector<FieldModel>& fields, std::size_t plane,
                  std::size_t planes, const Frequencies& rows, const Frequencies& cols);
 
-    /// out ← out + S(2π m / rows, 2π n / cols) for n = 0 … ⌊cols/2⌋.
-    /// \param out  padded_columns(⌊cols/2⌋ + 1) elements each, all of them written
-    /// \cost  for each coefficient column and frequency 4 multiply-adds an element; for 3
-    /// planes 170 more
-    void add_row(std::size_t m, const HermitianRows<float>& out) const;
+    /// out ← out + S(2π m / rows, 2π n / cols) for n = 0 … ⌊cols/2⌋, and the same of the row
+    /// at -ω1, which has most of the work in common.
+    /// \param out       padded_columns(⌊cols/2⌋ + 1) elements each, all of them written
+    /// \param mirrored  as out; null where the row is its own mirror image
+    /// \cost  for each coefficient column and frequency 2 multiply-adds an element (Markov
+    /// fields: 1); for 3 planes 170 operations more
+    void add_rows(std::size_t m, const HermitianRows<float>& out,
+                  const HermitianRows<float>& mirrored) const;
 
   private:
     void add(const FieldModel& field, std::size_t plane);

@@ -37,10 +37,14 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // out_n = gain col_gain_n E_n with the coarse row forwards, backwards by symmetry, and its
-// first column again. Reads and writes whole vectors.
-void expand_row(const CoarseRow& coarse, float gain, const float* col_gain, float* out) {
+// first column again; zeros up to padded_columns(). Reads and writes whole vectors.
+void expand_row(const CoarseRow& row, float gain, const float* col_gain, float* out) {
     const hn::ScalableTag<float> d;
     const std::size_t lanes = hn::Lanes(d);
+    const CoarseRow coarse = row;  // nothing that is written is part of a copy
+    float* const end = out + padded_columns(coarse.size + 1);
+    for (float* at = end - padded_columns(1); at < end; at += lanes)
+        hn::StoreU(hn::Zero(d), d, at);
     const auto row_gain = hn::Set(d, gain);
     for (std::size_t n = 0; n < coarse.cols; n += lanes)
         hn::StoreU(hn::Mul(hn::Mul(row_gain, hn::LoadU(d, col_gain + n)),
@@ -119,61 +123,70 @@ SpectralDensity::SpectralDensity(const PlaneField& field, std::size_t rows,
     const SpectralDensity coarse(field.coarser(1), coarse_rows, coarse_cols, executor);
     coarse_ = Image(coarse_rows, planes_ * planes_, padded_columns(coarse_cols / 2 + 1),
                     uninitialised);
-    parallel_for(executor, coarse_rows, [&](std::size_t m) {
+    parallel_for(executor, coarse_rows / 2 + 1, [&](std::size_t m) {
         HermitianRows<float> out{};
-        for (std::size_t k = 0; k < coarse_.rows(); ++k) out[k] = coarse_.plane(m).row(k);
-        coarse.row(m, out);
+        HermitianRows<float> mirrored{};
+        for (std::size_t k = 0; k < coarse_.rows(); ++k) {
+            out[k] = coarse_.plane(m).row(k);
+            if (coarse.mirror(m) != m)
+                mirrored[k] = coarse_.plane(coarse.mirror(m)).row(k);
+        }
+        coarse.rows(m, out, mirrored);
     });
 }
 
-void SpectralDensity::row(std::size_t m, const HermitianRows<float>& out) const {
+void SpectralDensity::rows(std::size_t m, const HermitianRows<float>& out,
+                           const HermitianRows<float>& mirrored) const {
+    start_row(m, out);
+    if (mirrored[0] != nullptr) start_row(mirror(m), mirrored);
+    finest_.add_rows(m, out, mirrored);
+}
+
+void SpectralDensity::start_row(std::size_t m, const HermitianRows<float>& out) const {
     const std::size_t count = cols_.size() / 2 + 1;
     const std::size_t elements = planes_ * planes_;
+    const CoarseAxis axis(cols_.size());
+    for (std::size_t k = 0; k < elements && (coarse_.empty() || axis.step != 1); ++k)
+        std::fill_n(out[k], padded_columns(count), 0.0F);
+    if (coarse_.empty()) return;
+    const std::size_t row = CoarseAxis(rows_.size()).index(m);
+    const auto direct = coarse_.plane(row);
+    const auto mirrored = coarse_.plane(row == 0 ? 0 : coarse_.bands() - row);
+    const auto expand =
+        axis.step == 1 ? HWY_DYNAMIC_DISPATCH(expand_row) : &expand_odd_row;
     for (std::size_t k = 0; k < elements; ++k)
-        std::fill(out[k] + (coarse_.empty() ? 0 : count), out[k] + padded_columns(count),
-                  0.0F);
-    if (!coarse_.empty()) {
-        const CoarseAxis axis(cols_.size());
-        const std::size_t row = CoarseAxis(rows_.size()).index(m);
-        const auto direct = coarse_.plane(row);
-        const auto mirrored = coarse_.plane(row == 0 ? 0 : coarse_.bands() - row);
-        const auto expand =
-            axis.step == 1 ? HWY_DYNAMIC_DISPATCH(expand_row) : &expand_odd_row;
-        for (std::size_t k = 0; k < elements; ++k)
-            expand(
-                {direct.row(k), mirrored.row(k), k / planes_ > k % planes_ ? -1.0F : 1.0F,
-                 axis.size / 2 + 1, axis.size},
-                row_gain_[m], col_gain_.data(), out[k]);
-    }
-    finest_.add_row(m, out);
+        expand({direct.row(k), mirrored.row(k), k / planes_ > k % planes_ ? -1.0F : 1.0F,
+                axis.size / 2 + 1, axis.size},
+               row_gain_[m], col_gain_.data(), out[k]);
 }
 
 std::vector<std::size_t> rows_in_step(std::size_t rows) {
     std::vector<std::size_t> order;
     const std::size_t half = rows / 2;
     for (std::size_t m = 0; rows % 2 == 0 && m <= half / 2; ++m) {
-        order.insert(order.end(), {m, m + half});
-        if (m > 0 && 2 * m != half) order.insert(order.end(), {half - m, rows - m});
+        order.push_back(m);
+        if (2 * m != half) order.push_back(half - m);
     }
-    for (std::size_t m = order.size(); m < rows; ++m) order.push_back(m);
+    for (std::size_t m = order.size(); m <= half; ++m) order.push_back(m);
     return order;
 }
 
 DensityScratch::DensityScratch(std::size_t planes, std::size_t count)
-    : values_(planes * planes, 1, padded_columns(count), uninitialised) {
-    for (std::size_t k = 0; k < values_.bands(); ++k) rows_[k] = values_.plane(k).row(0);
+    : values_(2, planes * planes, padded_columns(count), uninitialised) {
+    for (std::size_t k = 0; k < values_.rows(); ++k) {
+        rows_[k] = values_.plane(0).row(k);
+        mirrored_[k] = values_.plane(1).row(k);
+    }
 }
 
 Image spectral_density(const PlaneField& field, std::size_t rows, std::size_t cols,
                        Executor& executor) {
     const SpectralDensity density(field, rows, cols, executor);
     Image whole(field.planes * field.planes, rows, cols / 2 + 1, uninitialised);
-    for_each_density_row(executor, field.planes, rows, whole.cols(),
-                         [&](std::size_t m, const HermitianRows<float>& E) {
-                             density.row(m, E);
-                             for (std::size_t k = 0; k < whole.bands(); ++k)
-                                 std::copy_n(E[k], whole.cols(), whole.plane(k).row(m));
-                         });
+    density.for_each_row(executor, [&](std::size_t m, const HermitianRows<float>& E) {
+        for (std::size_t k = 0; k < whole.bands(); ++k)
+            std::copy_n(E[k], whole.cols(), whole.plane(k).row(m));
+    });
     return whole;
 }
 

@@ -45,6 +45,23 @@ struct PlaneField {
     }
 };
 
+/// Rows of the matrices of d planes, and of their mirror images.
+class DensityScratch {
+  public:
+    DensityScratch(std::size_t planes, std::size_t count);
+    [[nodiscard]] const HermitianRows<float>& rows() const { return rows_; }
+    [[nodiscard]] const HermitianRows<float>& mirrored() const { return mirrored_; }
+
+  private:
+    Image values_;
+    HermitianRows<float> rows_{};
+    HermitianRows<float> mirrored_{};
+};
+
+/// The rows 0 … ⌊rows/2⌋ of which the others are mirror images, those that need the same rows
+/// of the coarser level together: m and rows/2 - m, whose doubles are mirror images.
+[[nodiscard]] std::vector<std::size_t> rows_in_step(std::size_t rows);
+
 /// The spectral density of the collapsed pyramid on the frequencies of a (rows, cols)
 /// torus,
 ///
@@ -59,11 +76,40 @@ class SpectralDensity {
     SpectralDensity(const SpectralDensity&) = delete;
     SpectralDensity& operator=(const SpectralDensity&) = delete;
 
-    /// \param out  for d planes d² rows of padded_columns(⌊cols/2⌋ + 1), written; element
-    ///             (i, j) of the matrix E is row d i + j, Re E_ij for i ≤ j, Im E_ji for i > j
-    void row(std::size_t m, const HermitianRows<float>& out) const;
+    /// The row at -ω1.
+    [[nodiscard]] std::size_t mirror(std::size_t m) const {
+        return m == 0 ? 0 : rows_.size() - m;
+    }
+    /// Rows m and mirror(m).
+    /// \param out       for d planes d² rows of padded_columns(⌊cols/2⌋ + 1), written; element
+    ///                  (i, j) of the matrix E is row d i + j, Re E_ij for i ≤ j, Im E_ji for
+    ///                  i > j
+    /// \param mirrored  as out; null where m is its own mirror image
+    void rows(std::size_t m, const HermitianRows<float>& out,
+              const HermitianRows<float>& mirrored) const;
+    /// body(m, E) for every row, in memory that it may change; mirror(m) right after
+    /// m = 0 … ⌊rows/2⌋ on the same thread.
+    template <class Body>
+    void for_each_row(Executor& executor, const Body& body) const {
+        const std::vector<std::size_t> order = rows_in_step(rows_.size());
+        const std::size_t ranges = std::min(order.size(), ranges_of(executor));
+        parallel_for(executor, ranges, [&](std::size_t range) {
+            const DensityScratch scratch(planes_, cols_.size() / 2 + 1);
+            for (std::size_t i = range * order.size() / ranges;
+                 i < (range + 1) * order.size() / ranges; ++i) {
+                const std::size_t m = order[i];
+                const bool both = mirror(m) != m;
+                rows(m, scratch.rows(),
+                     both ? scratch.mirrored() : HermitianRows<float>{});
+                body(m, scratch.rows());
+                if (both) body(mirror(m), scratch.mirrored());
+            }
+        });
+    }
 
   private:
+    void start_row(std::size_t m, const HermitianRows<float>& out) const;
+
     Frequencies rows_;
     Frequencies cols_;
     LevelDensity finest_;
@@ -76,34 +122,6 @@ class SpectralDensity {
 /// All rows. \returns  (d², rows, ⌊cols/2⌋ + 1)
 [[nodiscard]] Image spectral_density(const PlaneField& field, std::size_t rows,
                                      std::size_t cols, Executor& executor);
-
-/// Rows of the matrices of d planes.
-class DensityScratch {
-  public:
-    DensityScratch(std::size_t planes, std::size_t count);
-    [[nodiscard]] const HermitianRows<float>& rows() const { return rows_; }
-
-  private:
-    Image values_;
-    HermitianRows<float> rows_{};
-};
-
-/// All rows 0 … rows - 1, those that need the same rows of the coarser level together: m and
-/// m + rows/2 have the frequency 2ω1 in common, -m has its mirror image.
-[[nodiscard]] std::vector<std::size_t> rows_in_step(std::size_t rows);
-
-/// body(m, E) for every row, with memory for its densities.
-template <class Body>
-void for_each_density_row(Executor& executor, std::size_t planes, std::size_t rows,
-                          std::size_t count, const Body& body) {
-    const std::vector<std::size_t> order = rows_in_step(rows);
-    const std::size_t ranges = std::min(rows, ranges_of(executor));
-    parallel_for(executor, ranges, [&](std::size_t range) {
-        const DensityScratch scratch(planes, count);
-        for (std::size_t i = range * rows / ranges; i < (range + 1) * rows / ranges; ++i)
-            body(order[i], scratch.rows());
-    });
-}
 
 /// Takes away what the sample could not show: wavelengths longer than itself. The
 /// sample's own frequencies are multiples of 2π/M and 2π/N, its mean was removed, so the

@@ -112,31 +112,24 @@ class Torus {
     [[nodiscard]] std::vector<SplitComplexPlane> noise(Executor& executor) const {
         std::vector<SplitComplexPlane> spectra = this->spectra();
         for (std::uint32_t plane = 0; plane < spectra.size(); ++plane)
-            draw_noise_spectrum(seed_, noise_band(plane), fft_, spectra[plane].view(),
-                                executor);
+            draw_noise_spectrum({seed_, noise_band(plane)}, fft_.cols(),
+                                spectra[plane].view(), executor);
         return spectra;
     }
-    [[nodiscard]] std::vector<SplitComplexPlane> spectra() const {
-        std::vector<SplitComplexPlane> spectra;
-        for (std::size_t plane = 0; plane < material_->bands; ++plane)
-            spectra.emplace_back(fft_.rows(), fft_.spectrum_cols(), uninitialised);
-        return spectra;
-    }
-
     /// The texture of one subspace. Rows are transformed back and finished while they are
     /// in the cache.
-    /// \param coloured  written, may be the noise
-    /// \param finish    finish(row, planes, out) of every block of rows
+    /// \param noise   noise(), or nothing: drawn for this texture alone
+    /// \param finish  finish(row, planes, out) of every block of rows
     template <class FinishRows>
     [[nodiscard]] Image draw(const Subspace& subspace,
                              std::span<const SplitComplexPlane> noise,
-                             std::span<SplitComplexPlane> coloured,
                              const FinishRows& finish, Executor& executor) const {
+        std::vector<SplitComplexPlane> coloured = spectra();
         std::vector<float> gains;
         for (const PlaneField& field : independent_fields(*material_, subspace)) {
-            const auto of_field =
-                colour_noise(field, fft_.cols(), noise.subspan(field.plane, field.planes),
-                             coloured.subspan(field.plane, field.planes), executor);
+            const auto of_field = colour_noise(
+                field, fft_.cols(), {seed_, noise},
+                std::span(coloured).subspan(field.plane, field.planes), executor);
             gains.insert(gains.end(), of_field.begin(), of_field.begin() + field.planes);
         }
         for (SplitComplexPlane& plane : coloured)
@@ -163,6 +156,12 @@ class Torus {
   private:
     Torus(Fft2d fft, const Material& material, std::uint64_t seed)
         : fft_(std::move(fft)), material_(&material), seed_(seed) {}
+    [[nodiscard]] std::vector<SplitComplexPlane> spectra() const {
+        std::vector<SplitComplexPlane> spectra;
+        for (std::size_t plane = 0; plane < material_->bands; ++plane)
+            spectra.emplace_back(fft_.rows(), fft_.spectrum_cols(), uninitialised);
+        return spectra;
+    }
     Fft2d fft_;
     const Material* material_;
     std::uint64_t seed_;
@@ -310,20 +309,17 @@ auto finish_rows(const Finish& finish, const Subspace& subspace) {
 }
 
 /// The texture of one subspace on a torus.
-/// \param coloured  written, may be the noise
 Image draw_whole(const Torus& torus, const Finish& finish, const Subspace& subspace,
-                 std::span<const SplitComplexPlane> noise,
-                 std::span<SplitComplexPlane> coloured, Executor& executor) {
+                 std::span<const SplitComplexPlane> noise, Executor& executor) {
     if (finish.margin() == 0)
-        return torus.draw(subspace, noise, coloured, finish_rows(finish, subspace),
-                          executor);
+        return torus.draw(subspace, noise, finish_rows(finish, subspace), executor);
     // Bands reach over all blocks of rows.
     const auto keep = [](std::int32_t, ImageView<float> planes,
                          std::span<const PlaneView<float>> out, Executor&) {
         for (std::size_t plane = 0; plane < planes.bands; ++plane)
             std::copy_n(planes.plane(plane).data, planes.plane_size(), out[plane].data);
     };
-    Image texture = torus.draw(subspace, noise, coloured, keep, executor);
+    Image texture = torus.draw(subspace, noise, keep, executor);
     finish.modulate(subspace, Border::wrap, 0, 0, texture.view(), executor);
     finish(subspace, 0, 0, texture.view(), executor);
     return texture;
@@ -468,9 +464,7 @@ Result<void> synthesise(const Material& material, std::size_t subspace_number,
         SATEEN_TRY(const Finish finish,
                    Finish::create(material, options, period_of(options), executor));
         SATEEN_TRY(const Torus torus, Torus::create(material, options));
-        std::vector<SplitComplexPlane> spectra = torus.noise(executor);
-        const Image texture =
-            draw_whole(torus, finish, subspace, spectra, spectra, executor);
+        const Image texture = draw_whole(torus, finish, subspace, {}, executor);
         progress.report(1, 1);
         return sink(0, texture.view());
     }
@@ -529,9 +523,7 @@ Result<void> synthesise_tiles(
     PartProgress part(progress);
     const auto draw = [&](std::size_t subspace, Executor& threads) -> Result<Image> {
         if (!torus) return synthesise(material, subspace, tileable, threads, part);
-        std::vector<SplitComplexPlane> spectra = torus->spectra();
-        return draw_whole(*torus, *finish, material.subspaces[subspace], noise, spectra,
-                          threads);
+        return draw_whole(*torus, *finish, material.subspaces[subspace], noise, threads);
     };
     // A subspace a thread, as many at a time as there are threads; what is left over
     // shares them.

@@ -142,12 +142,12 @@ double expected_correlation(const Autoregression3d& field, std::size_t i, std::s
     return R[3 * i + j](row, col) / std::sqrt(R[4 * i](0, 0) * R[4 * j](0, 0));
 }
 
-/// The planes that noise of these spectra draws.
-void draw(const PlaneField& field, std::span<const SplitComplexPlane> noise,
-          const Fft2d& fft, Image& planes) {
+/// The planes that the noise of a seed draws.
+void draw(const PlaneField& field, std::uint64_t seed, const Fft2d& fft, Image& planes) {
     SerialExecutor executor;
-    std::vector<SplitComplexPlane> spectra(noise.begin(), noise.end());
-    const auto gains = colour_noise(field, fft.cols(), noise, spectra, executor);
+    std::vector<SplitComplexPlane> spectra(
+        3, SplitComplexPlane(fft.rows(), fft.spectrum_cols()));
+    const auto gains = colour_noise(field, fft.cols(), {seed, {}}, spectra, executor);
     for (std::size_t k = 0; k < 3; ++k) {
         fft.inverse(spectra[k].view(), planes.plane(k), executor);
         for (std::size_t i = 0; i < planes.plane_size(); ++i)
@@ -166,15 +166,9 @@ TEST(JointNoise, HasTheCrossCovariancesOfTheFieldAndVarianceOne) {
     const std::vector<Level> levels = {joint_level(car)};
     constexpr std::size_t kSide = 256;
     const PlaneField field{levels, 0, kSide, kSide, 3};
-    SerialExecutor executor;
     const Fft2d fft = *Fft2d::create(kSide, kSide);
-    std::vector<SplitComplexPlane> noise(3, SplitComplexPlane(kSide, kSide / 2 + 1));
     Image planes(3, kSide, kSide);
-    for (std::uint32_t k = 0; k < 3; ++k) {
-        draw_noise(9, k, planes.plane(k), executor);
-        fft.forward(planes.plane(k), noise[k].view(), executor);
-    }
-    draw(field, noise, fft, planes);
+    draw(field, 9, fft, planes);
     for (std::size_t k = 0; k < 3; ++k)
         EXPECT_NEAR(correlation(planes.plane(k), planes.plane(k), 0, 0), 1, 1e-4);
     // The standard error of a correlation of 65536 sites of this field is below 0.01.
@@ -220,18 +214,12 @@ TEST(JointNoise, BlendedHalfAndHalfKeepsItsContrast) {
     for (float& a : second.A) a *= 0.7F;
     second.Sigma = {1, 0.3F, 0.2F, 0.3F, 1, 0.1F, 0.2F, 0.1F, 1};
     constexpr std::size_t kSide = 128;
-    SerialExecutor executor;
     const Fft2d fft = *Fft2d::create(kSide, kSide);
-    std::vector<SplitComplexPlane> noise(3, SplitComplexPlane(kSide, kSide / 2 + 1));
     Image planes(3, kSide, kSide);
-    for (std::uint32_t k = 0; k < 3; ++k) {
-        draw_noise(2, k, planes.plane(k), executor);
-        fft.forward(planes.plane(k), noise[k].view(), executor);
-    }
     Image blend(3, kSide, kSide);
     for (const Car3d& car : {first, second}) {
         const std::vector<Level> levels = {joint_level(car)};
-        draw({levels, 0, kSide, kSide, 3}, noise, fft, planes);
+        draw({levels, 0, kSide, kSide, 3}, 2, fft, planes);
         for (std::size_t i = 0; i < blend.values().size(); ++i)
             blend.values()[i] += planes.values()[i] / 2;
     }
