@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -217,18 +218,18 @@ double shading_share(const Measurement& measurement,
     return all.share();
 }
 
-/// The representatives that see the material best, from above and lit from above.
+/// The subspaces in order of how well their representatives see the material: from above and
+/// lit from above is best.
 std::vector<std::size_t> best_seen(const MeasurementInfo& info,
                                    const Representatives& representatives) {
-    std::vector<std::size_t> order;
-    for (const auto& observations : representatives.observations)
-        order.push_back(observations.front());
+    std::vector<std::size_t> order(representatives.observations.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
     if (!info.has_directions()) return order;
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) {
-        const Observation& at = info.observations[i];
+    std::ranges::stable_sort(order, {}, [&](std::size_t k) {
+        const Observation& at =
+            info.observations[representatives.observations[k].front()];
         return info.views[at.view].theta + kLightTilt * info.lights[at.light].theta;
     });
-    order.resize(std::min(order.size(), kMostSeen));
     return order;
 }
 
@@ -258,9 +259,12 @@ Result<std::optional<AlignedLayer>> find_layer(const MeasurementInfo& info,
     if (photographs.size() > 1)
         return find_shared_layer(reader, photographs, tone, executor);
     std::optional<AlignedLayer> best;
-    for (const std::size_t i : best_seen(info, representatives)) {
+    std::vector<std::size_t> order = best_seen(info, representatives);
+    order.resize(std::min(order.size(), kMostSeen));
+    for (const std::size_t k : order) {
         std::vector<std::string> notes;
-        Result<std::vector<Image>> images = reader.read({i}, notes);
+        Result<std::vector<Image>> images =
+            reader.read(representatives.observations[k], notes);
         if (!images) continue;  // reported, or skipped, where it is modelled
         std::vector<Image> toned;
         toned.push_back(apply_tone(images->front(), tone));
@@ -327,9 +331,9 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
             reader.divide_by_shading_of(*surface);
     }
 
-    // 4. Factorise each representative and estimate its fields. The first subspace comes
-    // first:
-    //    the others align their spectral transforms with it.
+    // 4. Factorise each representative and estimate its fields. The one that sees the
+    //    material best comes first: the others align their spectral transforms with it, and
+    //    have its modulation.
     progress.stage("modelling");
     const std::size_t count = representatives.observations.size();
     AnalysisOptions fields = options;
@@ -353,15 +357,16 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
                                      notes.end());
         progress.report(static_cast<double>(++finished), static_cast<double>(count));
     };
-    fit(0);
-    if (*fits[0]) {
-        reference = &(*fits[0])->subspace.spectral;
-        modulation = (*fits[0])->modulation;
+    const std::size_t first = options.paper ? 0 : best_seen(info, representatives)[0];
+    fit(first);
+    if (*fits[first]) {
+        reference = &(*fits[first])->subspace.spectral;
+        modulation = (*fits[first])->modulation;
         fields.modulation = modulation.has_value();
         if (modulation) material.modulation = modulation->fields;
     }
     parallel_for(executor, count - 1, [&](std::size_t k) {
-        if (!progress.cancelled()) fit(k + 1);
+        if (!progress.cancelled()) fit(k < first ? k : k + 1);
     });
     if (progress.cancelled()) return Error{Errc::cancelled, "cancelled while modelling"};
 

@@ -29,6 +29,8 @@ constexpr double kLeastFieldVariance = 0.003;
 constexpr double kMostGrowth = 2;
 /// Times that a trial is drawn and compared.
 constexpr int kTrials = 3;
+/// The same for a subspace that starts with the fields and curves of another.
+constexpr int kTrialsOfOthers = 2;
 /// How far knots and marginal curves reach.
 constexpr double kOutermost = 0.00135;
 
@@ -40,6 +42,15 @@ AmplitudeCurve stored(const AmplitudeKnots& knots, std::size_t feature) {
                                   static_cast<double>(AmplitudeCurve::kStep)),
                        -127.0, 127.0));
     return curve;
+}
+
+AmplitudeKnots knots_of(const ModulatedBand& band) {
+    AmplitudeKnots knots{};
+    std::size_t i = 0;
+    for (const AmplitudeCurve* curve : {&band.of_value, &band.of_parent, &band.of_first})
+        for (const std::int8_t value : curve->values)
+            knots[i++] = static_cast<double>(AmplitudeCurve::kStep) * value;
+    return knots;
 }
 
 /// The curve that gives modulated values y the distribution that q gives normal ones,
@@ -82,17 +93,20 @@ class ModulationEstimate {
     Result<ModulationFit> run() {
         SATEEN_CHECK(prepare());
         ModulationFit fit;
-        if (options_.shared != nullptr) {
-            fit.modulation = *options_.shared;
-            SATEEN_CHECK(calibrate(gaussian_, fit));
-            return fit;
-        }
-        fit.modulation.curves.bands.resize(planes_.bands() * kLevels);
-        fit.modulation.curves.units.assign(planes_.bands(), 1.0F);
         knots_.resize(planes_.bands() * kLevels);
         SATEEN_TRY(seen_, shown_by(planes_, Border::mirror));
         Image drawn = gaussian_;
-        for (int trial = 0; trial < kTrials; ++trial) {
+        if (options_.shared != nullptr) {
+            fit.modulation = *options_.shared;
+            for (std::size_t i = 0; i < knots_.size(); ++i)
+                knots_[i] = knots_of(fit.modulation.curves.bands[i]);
+            SATEEN_CHECK(calibrate(drawn, fit));
+        } else {
+            fit.modulation.curves.bands.resize(planes_.bands() * kLevels);
+            fit.modulation.curves.units.assign(planes_.bands(), 1.0F);
+        }
+        const int trials = options_.shared != nullptr ? kTrialsOfOthers : kTrials;
+        for (int trial = 0; trial < trials; ++trial) {
             SATEEN_CHECK(compare(drawn, trial == 0, fit));
             drawn = gaussian_;
             SATEEN_CHECK(calibrate(drawn, fit));
@@ -150,7 +164,7 @@ class ModulationEstimate {
         ShownBand band;
         band.seen = features[plane].seen[level];
         band.regression = regress(explanation);
-        if (plane > 0) return band;
+        if (plane > 0 || options_.shared != nullptr) return band;
         const Image rest =
             remainder_of(explanation, band.regression, field_spacing(level));
         SATEEN_TRY(band.covariances, covariances_of(rest.plane(0), executor_));
@@ -169,7 +183,7 @@ class ModulationEstimate {
             band.of_value = stored(knots, 0);
             band.of_parent = stored(knots, 1);
             band.of_first = stored(knots, 2);
-            if (i >= kLevels) continue;
+            if (i >= kLevels || options_.shared != nullptr) continue;
             if (gaussian) fit.excess += seen_[i].regression.variance(knots) / kLevels;
             compare_fields(drawn[i], i, gaussian, fit);
         }

@@ -13,8 +13,7 @@
 
 namespace sateen {
 
-/// What the subspaces of a material have in common: the fields, and of the curves all but
-/// scales and gains.
+/// The fields, which the subspaces of a material have in common, and the curves of one.
 struct SharedModulation {
     BandModulation fields;
     SubspaceModulation curves;
@@ -35,7 +34,7 @@ struct ModulationFit {
 }
 
 struct ModulationOptions {
-    /// Found on another subspace: only scales, gains and marginal curves are looked for.
+    /// Found on another subspace: the fields stay, the curves are a start.
     const SharedModulation* shared = nullptr;
     /// The planes are drawn together: what they have in common is no excess.
     bool joint = false;
