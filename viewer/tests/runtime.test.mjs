@@ -61,6 +61,19 @@ for (const [what, rows, cols] of [['one transform', 128, 128], ['a size of no tr
     material.draw({ rows, cols, seed: 81985529216486895n }, (_, texture) => assertSame(texture, 3, path));
   });
 
+const modulated = join(ROOT, 'tests/golden/v1/modulated.sateen');
+for (const [what, path, part] of [['pattern', () => woven, 'structure'], ['modulation', () => modulated, 'modulation']])
+  for (const [rows, cols] of [[128, 128], [96, 150]])
+    test(`draws a ${what} as the program does, ${cols} x ${rows}`, async () => {
+      const picture = join(folder, `${part}${rows}.png`);
+      assert.ok(JSON.parse(sateen('info', path(), '--json')).payload_bytes[part] > 0);
+      sateen('synthesise', path(), '-o', picture, '--size', `${cols}x${rows}`, '--tileable', '--seed', '7');
+      const material = (await Runtime.create(module)).load(payloadOf(path()));
+      material.draw({ rows, cols, seed: 7n }, (k, texture) => {
+        if (k === 0) assertSame(texture, material.description.bands, picture);
+      });
+    });
+
 test('draws every subspace of a measurement as the program does', async () => {
   sateen('synthesise', measured, '-o', join(folder, 'all'), '--all', '--size', '64x64');
   const material = (await Runtime.create(module)).load(payloadOf(measured));
