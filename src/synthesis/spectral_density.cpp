@@ -109,6 +109,20 @@ void expand_odd_row(const CoarseRow& coarse, float gain, const float* col_gain,
 
 }  // namespace
 
+std::vector<PlaneField> independent_fields(const Material& material,
+                                           const Subspace& subspace) {
+    const std::size_t d = subspace.marginals.size();
+    const bool joint = std::any_of(
+        subspace.levels.begin(), subspace.levels.end(),
+        [](const Level& level) { return planes_of(level.fields.front()) > 1; });
+    const PlaneField first{subspace.levels, 0, static_cast<double>(material.sample_rows),
+                           static_cast<double>(material.sample_cols), joint ? d : 1};
+    std::vector<PlaneField> fields(joint ? 1 : d, first);
+    for (std::size_t plane = 0; plane < fields.size(); ++plane)
+        fields[plane].plane = plane;
+    return fields;
+}
+
 SpectralDensity::SpectralDensity(const PlaneField& field, std::size_t rows,
                                  std::size_t cols, Executor& executor)
     : rows_(rows),

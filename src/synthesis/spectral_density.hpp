@@ -45,6 +45,10 @@ struct PlaneField {
     }
 };
 
+/// The planes of a subspace: each alone, or all together where a field draws them so.
+[[nodiscard]] std::vector<PlaneField> independent_fields(const Material& material,
+                                                         const Subspace& subspace);
+
 /// Rows of the matrices of d planes, and of their mirror images.
 class DensityScratch {
   public:
