@@ -2,6 +2,7 @@
 // Spectra and short lags. See lag_transform.hpp.
 #include "analysis/lag_transform.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -99,25 +100,18 @@ double LagTransform::mean(const RowMatrix& S) const {
 }
 
 // A logarithm takes as long as twenty multiplications, so it is taken of products, of few
-// enough factors to stay in range. Column 0, and the last of an even torus, count once.
+// enough factors to stay in range: down the columns, which have one weight each.
 double LagTransform::mean_log(const RowMatrix& S) const {
     constexpr Index kFactors = 16;
     if (!(S.minCoeff() > 0)) return std::nan("");
     double sum = 0;
-    for (Index m = 0; m < S.rows(); ++m) {
-        const double* row = S.data() + m * S.cols();
-        double twice = 0;
-        Index n = 0;
-        for (; n + kFactors <= S.cols(); n += kFactors) {
-            double product = 1;
-            for (Index k = 0; k < kFactors; ++k) product *= row[n + k];
-            twice += std::log(product);
-        }
-        double product = 1;
-        for (; n < S.cols(); ++n) product *= row[n];
-        twice += std::log(product);
-        sum += 2 * twice - std::log(row[0]);
-        if (cols_ % 2 == 0) sum -= std::log(row[S.cols() - 1]);
+    Eigen::VectorXd product(S.cols());
+    for (Index first = 0; first < S.rows(); first += kFactors) {
+        const Index last = std::min(first + kFactors, S.rows());
+        product = S.row(first);
+        for (Index m = first + 1; m < last; ++m)
+            product.array() *= S.row(m).transpose().array();
+        sum += weight_.dot(product.array().log().matrix());
     }
     return sum / sites();
 }
