@@ -131,4 +131,10 @@ Encoding parse_encoding(const std::string& text) {
         fmt::format("\"{}\" is not auto, srgb, gamma2.2 or linear", text));
 }
 
+void add_material(CLI::App& verb, std::string& material) {
+    verb.add_option("MATERIAL", material, "The material, NAME.sateen")
+        ->type_name("")
+        ->required();
+}
+
 }  // namespace sateen::cli

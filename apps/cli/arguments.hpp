@@ -58,4 +58,24 @@ struct Position {
                                                std::size_t smallest, std::size_t largest);
 [[nodiscard]] Encoding parse_encoding(const std::string& text);
 
+/// A check for CLI11 of what one of these parses.
+template <class Parse>
+[[nodiscard]] std::function<std::string(const std::string&)> checked(Parse parse) {
+    return [parse](const std::string& text) {
+        (void)parse(text);
+        return std::string();
+    };
+}
+
+/// The option of a material to read, the first of a verb.
+void add_material(CLI::App& verb, std::string& material);
+/// An option that takes one direction or, into a vector, several.
+template <class Texts>
+CLI::Option* add_direction(CLI::App& verb, const std::string& name, Texts& directions,
+                           const std::string& help) {
+    return verb.add_option(name, directions, help)
+        ->type_name("THETA,PHI")
+        ->check(checked(parse_direction));
+}
+
 }  // namespace sateen::cli

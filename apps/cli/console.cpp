@@ -45,6 +45,12 @@ void print_json(const nlohmann::ordered_json& json) {
     fmt::print("{}\n", json.dump(2, ' ', false, kReplace));
 }
 
+void print_drawn(const std::string& output, std::size_t count, std::string_view what,
+                 std::size_t rows, std::size_t cols, double seconds) {
+    fmt::print(stderr, "{}: {} {}{} of {}x{}, {:.2f} s\n", one_line(output), count, what,
+               count == 1 ? "" : "s", cols, rows, seconds);
+}
+
 ConsoleProgress::ConsoleProgress() : visible_(isatty(STDERR_FILENO) != 0) {}
 
 ConsoleProgress::~ConsoleProgress() {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -22,6 +23,10 @@ void catch_interrupts();
 [[nodiscard]] std::string one_line(std::string_view text);
 /// Prints to stdout; bytes of file names that are not UTF-8 are replaced.
 void print_json(const nlohmann::ordered_json& json);
+
+/// The last line of verbs that draw: what was written, how large, in what time.
+void print_drawn(const std::string& output, std::size_t count, std::string_view what,
+                 std::size_t rows, std::size_t cols, double seconds);
 
 /// A progress bar with the time left on stderr; nothing where stderr is not a terminal.
 class ConsoleProgress final : public Progress {

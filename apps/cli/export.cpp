@@ -124,9 +124,7 @@ Verb add_export(CLI::App& program) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* verb = program.add_subcommand(
         "export", "Write a material as a web page, glTF, or maps for other renderers");
-    verb->add_option("MATERIAL", arguments->material, "The material, NAME.sateen")
-        ->type_name("")
-        ->required();
+    add_material(*verb, arguments->material);
     verb->add_option(
             "-o,--output", arguments->output,
             ".html: one page that shows it, from a disk as well;\n"

@@ -314,13 +314,8 @@ Verb add_model(CLI::App& program) {
         ->type_name("KIND")
         ->check(CLI::IsMember({"auto", "stereo", "shading", "none"}))
         ->capture_default_str();
-    verb->add_option("--surface-light", arguments->surface_light,
-                     "Of the photograph, for --surface shading; else estimated")
-        ->type_name("THETA,PHI")
-        ->check([](const std::string& text) {
-            (void)parse_direction(text);
-            return std::string();
-        });
+    add_direction(*verb, "--surface-light", arguments->surface_light,
+                  "Of the photograph, for --surface shading; else estimated");
     verb->add_option("--surface-out", arguments->surface_out,
                      "Write the estimated height, normal and albedo maps")
         ->type_name("DIR");

@@ -281,20 +281,10 @@ Result<void> run_render(const RenderArguments& arguments) {
         json["seconds"] = elapsed.count();
         print_json(json);
     } else {
-        fmt::print(stderr, "{}: {} picture{} of {}x{}, {:.2f} s\n",
-                   one_line(arguments.output), written.size(),
-                   written.size() == 1 ? "" : "s", size.cols, size.rows, elapsed.count());
+        print_drawn(arguments.output, written.size(), "picture", size.rows, size.cols,
+                    elapsed.count());
     }
     return {};
-}
-
-/// A check that parses and throws away.
-template <class F>
-std::function<std::string(const std::string&)> checked(F parse) {
-    return [parse](const std::string& text) {
-        (void)parse(text);
-        return std::string();
-    };
 }
 
 }  // namespace
@@ -303,9 +293,7 @@ Verb add_render(CLI::App& program) {
     auto arguments = std::make_shared<RenderArguments>();
     CLI::App* verb =
         program.add_subcommand("render", "Render an object of a material, lit");
-    verb->add_option("MATERIAL", arguments->material, "The material, NAME.sateen")
-        ->type_name("")
-        ->required();
+    add_material(*verb, arguments->material);
     verb->add_option("-o,--output", arguments->output,
                      "Image file: .png, .jpg, .exr or .tif; frames get numbers")
         ->type_name("OUT")
@@ -313,17 +301,13 @@ Verb add_render(CLI::App& program) {
     verb->add_option("--mesh", arguments->mesh, "sphere, plane, cloth, or FILE.obj")
         ->type_name("MESH")
         ->capture_default_str();
-    verb->add_option("--view", arguments->view,
-                     "Where the camera stands, in degrees in the object's frame: theta\n"
-                     "from its z axis, phi from x to y; default 62,270 (plane: 45,270)")
-        ->type_name("THETA,PHI")
-        ->check(checked(parse_direction));
-    verb->add_option("--light", arguments->lights,
-                     "A distant light in the same frame, repeatable; default 42,225\n"
-                     "and a weak one, unless there is an environment")
-        ->type_name("THETA,PHI")
-        ->take_all()
-        ->check(checked(parse_direction));
+    add_direction(*verb, "--view", arguments->view,
+                  "Where the camera stands, in degrees in the object's frame: theta\n"
+                  "from its z axis, phi from x to y; default 62,270 (plane: 45,270)");
+    add_direction(*verb, "--light", arguments->lights,
+                  "A distant light in the same frame, repeatable; default 42,225\n"
+                  "and a weak one, unless there is an environment")
+        ->take_all();
     verb->add_option("--env", arguments->environment,
                      "Light from an equirectangular map, .exr or .hdr; +z is up")
         ->type_name("FILE");

@@ -175,9 +175,8 @@ Result<void> run_synthesise(const SynthesiseArguments& arguments) {
         json["seconds"] = elapsed.count();
         print_json(json);
     } else {
-        fmt::print(stderr, "{}: {} texture{} of {}x{}, {:.2f} s\n",
-                   one_line(arguments.output), written.size(),
-                   written.size() == 1 ? "" : "s", size.cols, size.rows, elapsed.count());
+        print_drawn(arguments.output, written.size(), "texture", size.rows, size.cols,
+                    elapsed.count());
     }
     return {};
 }
@@ -189,20 +188,12 @@ Verb add_synthesise(CLI::App& program) {
     CLI::App* verb = program.add_subcommand(
         "synthesise", "Draw seamless texture of any size from a material");
     verb->alias("synthesize");
-    verb->add_option("MATERIAL", arguments->material, "The material, NAME.sateen")
-        ->type_name("")
-        ->required();
+    add_material(*verb, arguments->material);
     verb->add_option(
             "-o,--output", arguments->output,
             "Image file: .png, .jpg, .exr or .tif; with --all and --maps a folder")
         ->type_name("OUT")
         ->required();
-    const auto checked = [](auto parse) {
-        return [parse](const std::string& text) {
-            (void)parse(text);
-            return std::string();
-        };
-    };
     verb->add_option("--size", arguments->size,
                      "Width x height in pixels, or one number for a square;\n"
                      "best:WxH: near it, where the pattern closes best")
@@ -218,15 +209,11 @@ Verb add_synthesise(CLI::App& program) {
             ->check(checked(parse_position));
     auto* tileable = verb->add_flag("--tileable", arguments->tileable,
                                     "Seamless across its own borders (toroidal)");
-    auto* view = verb->add_option("--view", arguments->view, "Direction in degrees")
-                     ->type_name("THETA,PHI")
-                     ->capture_default_str()
-                     ->check(checked(parse_direction));
-    auto* light = verb->add_option("--light", arguments->light,
-                                   "Direction in degrees; else 0,0, and 45,135 for\n"
-                                   "photographs with --surface shading")
-                      ->type_name("THETA,PHI")
-                      ->check(checked(parse_direction));
+    auto* view = add_direction(*verb, "--view", arguments->view, "Direction in degrees")
+                     ->capture_default_str();
+    auto* light = add_direction(*verb, "--light", arguments->light,
+                                "Direction in degrees; else 0,0, and 45,135 for\n"
+                                "photographs with --surface shading");
     auto* subspace = verb->add_option("--subspace", arguments->subspace,
                                       "Number of a subspace, instead of directions")
                          ->type_name("K")

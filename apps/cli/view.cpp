@@ -216,9 +216,7 @@ Verb add_view(CLI::App& program) {
     auto arguments = std::make_shared<ViewArguments>();
     CLI::App* verb =
         program.add_subcommand("view", "Show a material in the browser, served locally");
-    verb->add_option("MATERIAL", arguments->material, "The material, NAME.sateen")
-        ->type_name("")
-        ->required();
+    add_material(*verb, arguments->material);
     verb->add_option("--port", arguments->port, "Port on 127.0.0.1; 0 for any free one")
         ->type_name("N")
         ->capture_default_str()
