@@ -189,7 +189,8 @@ class Context:
         """The material of a measurement or a photograph."""
         source = pathlib.Path(source)
         path = self.scratch / f"{source.stem}-{_key((source, *options))}.sateen"
-        if not path.exists() or path.stat().st_mtime < source.stat().st_mtime:
+        newest = max(source.stat().st_mtime, pathlib.Path(self.program).stat().st_mtime)
+        if not path.exists() or path.stat().st_mtime < newest:
             say(f"modelling {source.name} {' '.join(map(str, options))}")
             self.run("model", source, "-o", path, *options)
         return path
