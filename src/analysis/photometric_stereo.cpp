@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/pixel_normal.hpp"
 #include "sateen/core/direction.hpp"
 
 namespace sateen {
@@ -18,146 +19,12 @@ using Eigen::Vector3d;
 using Vector = std::array<double, 3>;
 
 constexpr double kSaturated = 0.995;
-constexpr double kShadow = 0.1;       // of the median: attached or cast shadow
-constexpr double kHighlights = 0.15;  // of the values, left out of the first estimate
-constexpr int kIterations = 8;
-constexpr double kCauchy = 2.385 * 1.4826;  // tuning constant x median to deviation
-constexpr double kLeastScale = 1e-3;        // of |g|: rounding of 8-bit values
-constexpr double kLargestCondition = 20;
-constexpr std::size_t kFewestValues = 5;
-// Lights below 30° above the horizon see mostly shadow.
-constexpr double kGrazing = 0.5;
-
-double median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// g and whether the lights that have weight span it.
-std::optional<Vector3d> solve(std::span<const double> values,
-                              std::span<const Vector> lights,
-                              std::span<const double> weights) {
-    Matrix3d A = Matrix3d::Zero();
-    Vector3d b = Vector3d::Zero();
-    for (std::size_t k = 0; k < values.size(); ++k) {
-        const Vector3d l(lights[k][0], lights[k][1], lights[k][2]);
-        A.noalias() += weights[k] * (l * l.transpose());
-        b += weights[k] * values[k] * l;
-    }
-    Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
-    eigen.computeDirect(A);
-    const Vector3d lambda = eigen.eigenvalues();
-    if (!(lambda[0] * kLargestCondition * kLargestCondition > lambda[2]))
-        return std::nullopt;
-    return eigen.eigenvectors() *
-           (eigen.eigenvectors().transpose() * b).cwiseQuotient(lambda);
-}
-
-class RobustFit {
-  public:
-    RobustFit(std::span<const double> values, std::span<const Vector> lights)
-        : values_(values), lights_(lights), prior_(values.size(), 0) {
-        choose_values();
-    }
-
-    /// Nothing if too few values are left.
-    std::optional<std::pair<Vector3d, std::vector<double>>> run() {
-        std::vector<double> weights = first_weights();
-        std::optional<Vector3d> g = solve(values_, lights_, weights);
-        for (int i = 0; g && i < kIterations; ++i) {
-            if (!reweight(*g, weights)) return std::nullopt;
-            g = solve(values_, lights_, weights);
-        }
-        if (!g) return std::nullopt;
-        return std::pair{*g, std::move(weights)};
-    }
-
-    [[nodiscard]] std::size_t used(std::span<const double> weights) const {
-        std::size_t count = 0;
-        for (std::size_t k = 0; k < weights.size(); ++k)
-            count +=
-                static_cast<std::size_t>(prior_[k] > 0 && weights[k] >= 0.1 * prior_[k]);
-        return count;
-    }
-
-  private:
-    void choose_values() {
-        std::vector<double> lit;
-        for (const double value : values_)
-            if (value > 0) lit.push_back(value);
-        if (lit.empty()) return;
-        const double shadow = kShadow * median(lit);
-        for (std::size_t k = 0; k < values_.size(); ++k)
-            if (values_[k] > shadow && values_[k] < kSaturated && lights_[k][2] > 0)
-                prior_[k] = std::min(1.0, lights_[k][2] / kGrazing);
-    }
-
-    // Without the brightest of the values that are left, where highlights are.
-    std::vector<double> first_weights() const {
-        std::vector<double> kept;
-        for (std::size_t k = 0; k < values_.size(); ++k)
-            if (prior_[k] > 0) kept.push_back(values_[k]);
-        std::vector<double> weights = prior_;
-        if (kept.size() < 2 * kFewestValues) return weights;
-        const auto nth =
-            kept.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(kept.size()) *
-                                                       (1 - kHighlights));
-        std::nth_element(kept.begin(), nth, kept.end());
-        for (std::size_t k = 0; k < values_.size(); ++k)
-            if (values_[k] >= *nth) weights[k] = 0;
-        return weights;
-    }
-
-    bool reweight(const Vector3d& g, std::vector<double>& weights) {
-        residuals_.clear();
-        std::vector<double> e(values_.size());
-        for (std::size_t k = 0; k < values_.size(); ++k) {
-            const double shading =
-                g[0] * lights_[k][0] + g[1] * lights_[k][1] + g[2] * lights_[k][2];
-            e[k] = std::abs(values_[k] - std::max(0.0, shading));
-            if (prior_[k] > 0) residuals_.push_back(e[k]);
-        }
-        if (residuals_.size() < kFewestValues) return false;
-        const double c = kCauchy * std::max(median(residuals_), kLeastScale * g.norm());
-        if (!(c > 0)) return false;
-        for (std::size_t k = 0; k < values_.size(); ++k)
-            weights[k] = prior_[k] / (1 + (e[k] / c) * (e[k] / c));
-        return used(weights) >= kFewestValues;
-    }
-
-    std::span<const double> values_;
-    std::span<const Vector> lights_;
-    std::vector<double> prior_;
-    std::vector<double> residuals_;
-};
-
-struct WeightedFit {
-    NormalFit fit;
-    std::vector<double> weights;
-};
-
-WeightedFit fit_weighted(std::span<const double> values, std::span<const Vector> lights,
-                         bool robust) {
-    const auto found = [](const Vector3d& g, std::size_t used, std::vector<double> w) {
-        return WeightedFit{{{g[0], g[1], g[2]}, used}, std::move(w)};
-    };
-    if (robust) {
-        RobustFit fit(values, lights);
-        if (auto result = fit.run()) {
-            const std::size_t used = fit.used(result->second);
-            return found(result->first, used, std::move(result->second));
-        }
-    }
-    std::vector<double> ones(values.size(), 1.0);
-    const std::optional<Vector3d> g = solve(values, lights, ones);
-    return found(g ? *g : Vector3d(0, 0, 0), values.size(), std::move(ones));
-}
-
-double luminance(std::span<const double> colour) {
-    if (colour.size() == 1) return colour[0];
-    return 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
-}
+// Mixtures of channels are fitted so many times: better normals know gloss better.
+constexpr int kMixtures = 2;
+// A layer over the body is taken only if lights agree so much better with it.
+constexpr double kLayerAgrees = 0.99;
+// Pixels a side of those that say whether there is one.
+constexpr std::size_t kSamplesASide = 24;
 
 std::uint32_t most_upright(const std::vector<Direction>& views) {
     const auto nearest =
@@ -204,11 +71,19 @@ class Strip {
   public:
     Strip(std::size_t images, std::size_t bands, std::size_t rows, std::size_t cols)
         : bands_(bands), pixels_(rows * cols), values_(images * bands * rows * cols) {}
+    [[nodiscard]] std::size_t pixels() const { return pixels_; }
     void put(std::size_t image, std::size_t first_row, const Image& from) {
         for (std::size_t band = 0; band < bands_; ++band) {
             const float* row = from.plane(band).row(first_row);
             std::copy(row, row + pixels_, &values_[(image * bands_ + band) * pixels_]);
         }
+    }
+    /// Pixels of the given numbers.
+    void put(std::size_t image, std::span<const std::size_t> pixels, const Image& from) {
+        for (std::size_t band = 0; band < bands_; ++band)
+            for (std::size_t i = 0; i < pixels.size(); ++i)
+                values_[(image * bands_ + band) * pixels_ + i] =
+                    from.plane(band).data[pixels[i]];
     }
     [[nodiscard]] double value(std::size_t image, std::size_t band,
                                std::size_t pixel) const {
@@ -251,8 +126,7 @@ class Stereo {
 
   private:
     Result<void> check_lights() const {
-        const std::vector<double> ones(images_.lights.size(), 1.0);
-        if (images_.lights.size() >= 3 && solve(ones, images_.lights, ones)) return {};
+        if (span_space(images_.lights)) return {};
         return Error{Errc::singular,
                      "photometric stereo: " + std::to_string(images_.lights.size()) +
                          " lights of view " + std::to_string(out_.view) +
@@ -264,16 +138,32 @@ class Stereo {
         std::optional<Strip> strip;
         for (bool complete = false; !complete;) {
             strip.emplace(images_.lights.size(), info.bands, rows, info.cols);
+            if (first == 0) sample_pixels();
             SATEEN_TRY(complete, read(first, *strip));
             SATEEN_CHECK(check_lights());
         }
+        if (first == 0 && options_.robust) choose_body();
         std::vector<double> used(rows);
         parallel_for(executor_, rows, [&](std::size_t r) {
+            PixelFitter fitter(images_.lights, body_);
             for (std::size_t c = 0; c < info.cols; ++c)
-                used[r] += fit_pixel(*strip, r * info.cols + c, first + r, c);
+                used[r] += fit_pixel(fitter, *strip, r * info.cols + c, first + r, c);
         });
         for (const double row : used) used_ += row;
         return {};
+    }
+
+    /// Pixels evenly all over the images.
+    void sample_pixels() {
+        const MeasurementInfo& info = measurement_.info();
+        const std::size_t rows = std::min(kSamplesASide, info.rows);
+        const std::size_t cols = std::min(kSamplesASide, info.cols);
+        sampled_.clear();
+        for (std::size_t r = 0; r < rows; ++r)
+            for (std::size_t c = 0; c < cols; ++c)
+                sampled_.push_back((2 * r + 1) * info.rows / (2 * rows) * info.cols +
+                                   (2 * c + 1) * info.cols / (2 * cols));
+        samples_.emplace(images_.lights.size(), info.bands, rows, cols);
     }
 
     /// Reads all images. Leaves out those that cannot be read, and is false then: the
@@ -284,10 +174,12 @@ class Stereo {
         parallel_for(executor_, count, [&](std::size_t k) {
             if (progress_.cancelled()) return;
             const Result<Image> image = measurement_.read(images_.observations[k]);
-            if (image)
+            if (image) {
                 strip.put(k, first, *image);
-            else
+                if (first == 0) samples_->put(k, sampled_, *image);
+            } else {
                 errors[k] = image.error();
+            }
         });
         if (progress_.cancelled())
             return Error{Errc::cancelled, "cancelled while reading images"};
@@ -302,37 +194,99 @@ class Stereo {
         return complete;
     }
 
-    double fit_pixel(const Strip& strip, std::size_t pixel, std::size_t r,
-                     std::size_t c) {
-        const std::size_t bands = out_.albedo.bands();
-        const std::vector<Vector>& lights = images_.lights;
-        std::vector<double> values(lights.size());
-        std::vector<std::array<double, 3>> colours(lights.size());
-        for (std::size_t k = 0; k < lights.size(); ++k) {
-            for (std::size_t band = 0; band < bands; ++band)
-                colours[k][band] = images_.factors[k] * strip.value(k, band, pixel);
-            values[k] = luminance({colours[k].data(), bands});
-        }
-        const WeightedFit fitted = fit_weighted(values, lights, options_.robust);
-        Vector3d n(fitted.fit.g[0], fitted.fit.g[1], fitted.fit.g[2]);
-        const double length = n.norm();
-        n = length > 0 ? Vector3d(n / length) : Vector3d(0, 0, 1);
-        for (std::size_t band = 0; band < bands; ++band) {
-            double product = 0;
-            double square = 0;
-            for (std::size_t k = 0; k < lights.size(); ++k) {
-                const double s =
-                    n[0] * lights[k][0] + n[1] * lights[k][1] + n[2] * lights[k][2];
-                if (s <= 0) continue;
-                product += fitted.weights[k] * s * colours[k][band];
-                square += fitted.weights[k] * s * s;
+    /// Whether the body lies under a layer, by how well the lights of pixels all over agree.
+    void choose_body() {
+        double disagreement[2] = {};
+        for (const Body body : {Body::lambert, Body::under_a_layer}) {
+            std::vector<double> found;
+            PixelFitter fitter(images_.lights, body);
+            for (std::size_t i = 0; i < samples_->pixels(); ++i) {
+                const Pixel pixel = pixel_of(*samples_, i);
+                if (const auto fit = fitter.robust(pixel.values, pixel.usable))
+                    found.push_back(fit->disagreement);
             }
-            out_.albedo(band, r, c) =
-                static_cast<float>(square > 0 ? std::max(0.0, product / square) : 0.0);
+            disagreement[body == Body::lambert ? 0 : 1] = median(std::move(found));
         }
+        if (disagreement[1] < kLayerAgrees * disagreement[0]) body_ = Body::under_a_layer;
+    }
+
+    static double median(std::vector<double> values) {
+        if (values.empty()) return 0;
+        const auto middle =
+            values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        return *middle;
+    }
+
+    struct Pixel {
+        std::vector<std::array<double, 3>> colours;
+        std::vector<double> values;  ///< luminance
+        std::vector<std::uint8_t> usable;
+    };
+
+    [[nodiscard]] Pixel pixel_of(const Strip& strip, std::size_t pixel) const {
+        const std::size_t bands = out_.albedo.bands();
+        const std::size_t lights = images_.lights.size();
+        Pixel out{std::vector<std::array<double, 3>>(lights), std::vector<double>(lights),
+                  std::vector<std::uint8_t>(lights, 1)};
+        for (std::size_t k = 0; k < lights; ++k) {
+            for (std::size_t band = 0; band < bands; ++band) {
+                const double value = strip.value(k, band, pixel);
+                if (value >= kSaturated) out.usable[k] = 0;
+                out.colours[k][band] = images_.factors[k] * value;
+            }
+            out.values[k] = luminance(out.colours[k], bands);
+        }
+        return out;
+    }
+
+    double fit_pixel(PixelFitter& fitter, const Strip& strip, std::size_t at,
+                     std::size_t r, std::size_t c) {
+        Pixel pixel = pixel_of(strip, at);
+        std::optional<PixelNormal> fit;
+        if (options_.robust) fit = fitter.robust(pixel.values, pixel.usable);
+        const bool robust = fit.has_value();
+        if (!robust) fit = fitter.plain(pixel.values);
+        if (!fit) fit.emplace(PixelNormal{Vector3d(0, 0, 1), 0, 0});
+        std::vector<double> weights(fitter.weights().begin(), fitter.weights().end());
+        if (robust && out_.albedo.bands() == 3)
+            fit_mixtures(fitter, pixel, weights, *fit);
+        const double length = fit->g.norm();
+        const Vector3d n = length > 0 ? Vector3d(fit->g / length) : Vector3d(0, 0, 1);
+        const auto albedo = body_colour(pixel.colours, cosines(n), weights);
+        for (std::size_t band = 0; band < out_.albedo.bands(); ++band)
+            out_.albedo(band, r, c) = static_cast<float>(albedo[band]);
         for (std::size_t i = 0; i < 3; ++i)
             out_.normals(i, r, c) = static_cast<float>(n[static_cast<Eigen::Index>(i)]);
-        return static_cast<double>(fitted.fit.used);
+        return static_cast<double>(fit->used);
+    }
+
+    /// Fits mixtures of the channels that gloss hardly enters, and keeps the fit on which the
+    /// lights agree best.
+    static void fit_mixtures(PixelFitter& fitter, Pixel& pixel,
+                             std::span<const double> weights, PixelNormal& best) {
+        Vector3d g = best.g;
+        for (int i = 0; i < kMixtures; ++i) {
+            const std::span<const double> shading = fitter.shading(g);
+            const auto body = body_colour(pixel.colours, shading, weights);
+            const auto mixture = quiet_mixture(pixel.colours, shading, weights, body);
+            if (!mixture) return;
+            for (std::size_t k = 0; k < pixel.values.size(); ++k)
+                pixel.values[k] = (*mixture)[0] * pixel.colours[k][0] +
+                                  (*mixture)[1] * pixel.colours[k][1] +
+                                  (*mixture)[2] * pixel.colours[k][2];
+            const auto fit = fitter.robust(pixel.values, pixel.usable);
+            if (!fit) return;
+            g = fit->g;
+            if (fit->disagreement < best.disagreement) best = *fit;
+        }
+    }
+
+    [[nodiscard]] std::vector<double> cosines(const Vector3d& n) const {
+        std::vector<double> out;
+        for (const Vector& l : images_.lights)
+            out.push_back(std::max(0.0, n[0] * l[0] + n[1] * l[1] + n[2] * l[2]));
+        return out;
     }
 
     void make_upright() {
@@ -363,16 +317,14 @@ class Stereo {
     Executor& executor_;
     Progress& progress_;
     LitImages images_;
+    Body body_ = Body::lambert;
+    std::vector<std::size_t> sampled_;
+    std::optional<Strip> samples_;  ///< of the pixels sampled
     StereoEstimate out_;
     double used_ = 0;
 };
 
 }  // namespace
-
-NormalFit fit_normal(std::span<const double> values,
-                     std::span<const std::array<double, 3>> lights, bool robust) {
-    return fit_weighted(values, lights, robust).fit;
-}
 
 Result<StereoEstimate> photometric_stereo(const Measurement& measurement,
                                           const StereoOptions& options,

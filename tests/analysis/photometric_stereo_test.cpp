@@ -102,6 +102,52 @@ TEST(PhotometricStereo, RobustFitsWithstandShadowAndGloss) {
     }
 }
 
+// Fresnel's factors for light in and out, after Schlick.
+TEST(PhotometricStereo, ABodyUnderALayerIsFoundExactly) {
+    const Relief relief = cosine_relief(24, 24, 3, 0.5, 16);
+    const Image albedo = mottled_albedo(3, 24, 24, 17);
+    std::vector<Image> images;
+    const auto passes = [](float cosine) {
+        return 1 - (0.04F + 0.96F * std::pow(1 - std::max(0.0F, cosine), 5.0F));
+    };
+    for (const Direction light : ring_lights()) {
+        const auto l = to_vector(light);
+        images.push_back(test::picture(relief.normals, albedo, light));
+        for (std::size_t i = 0; i < relief.normals.plane_size(); ++i) {
+            const float nz = relief.normals.plane(2).data[i];
+            const float nl = relief.normals.plane(0).data[i] * l[0] +
+                             relief.normals.plane(1).data[i] * l[1] + nz * l[2];
+            for (std::size_t band = 0; band < 3; ++band)
+                images.back().plane(band).data[i] *= passes(nl) * passes(nz);
+        }
+    }
+    const test::SyntheticMeasurement measurement({{Direction{}}, ring_lights(), images});
+    const auto robust = estimate(measurement, {.upright = false});
+    const auto plain = estimate(measurement, {.robust = false, .upright = false});
+    EXPECT_LT(mean_angle(robust.normals, relief.normals), 0.05);
+    EXPECT_GT(mean_angle(plain.normals, relief.normals), 0.5) << "or it shows nothing";
+}
+
+// A lobe so wide that nearly every light sees some of it.
+TEST(PhotometricStereo, GreyGlossOverAColourHardlyCounts) {
+    const Relief relief = cosine_relief(24, 24, 3, 0.5, 18);
+    Image brown = mottled_albedo(3, 24, 24, 19);
+    for (std::size_t i = 0; i < brown.plane_size(); ++i) {
+        brown.plane(1).data[i] = 0.4F * brown.plane(0).data[i];
+        brown.plane(2).data[i] = 0.2F * brown.plane(0).data[i];
+    }
+    const Image grey = mottled_albedo(1, 24, 24, 19);
+    const auto error = [&](const Image& albedo) {
+        const auto measurement = measurement_of(relief, albedo, ring_lights(),
+                                                {.strength = 0.15, .exponent = 12});
+        return mean_angle(estimate(measurement, {.upright = false}).normals,
+                          relief.normals);
+    };
+    const double grey_error = error(grey);
+    EXPECT_LT(error(brown), 0.65 * grey_error);
+    EXPECT_GT(grey_error, 1) << "or the test shows nothing";
+}
+
 TEST(PhotometricStereo, TheMeanNormalIsMadeUpright) {
     Relief tilted = cosine_relief(24, 24, 3, 0.1, 8);
     for (std::size_t i = 0; i < tilted.slopes.plane_size(); ++i)

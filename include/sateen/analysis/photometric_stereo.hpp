@@ -31,25 +31,6 @@ struct StereoOptions {
     std::size_t memory_bytes = std::size_t{192} << 20U;
 };
 
-/// ρ n of one pixel.
-struct NormalFit {
-    std::array<double, 3> g = {0, 0, 1};
-    std::size_t used = 0;  ///< values with at least a tenth of their weight
-};
-
-/// Solves I_k = g · l_k for g = ρ n by weighted least squares over the lights,
-///
-///     g = (Lᵀ W L)⁻¹ Lᵀ W I    [Woodham 1980; CAR2, section II.B; SAR]
-///
-/// W = I, or with `robust` iteratively reweighted: without what is below a tenth of the
-/// median, or saturated, and with Cauchy weights 1 / (1 + (e / c)²), c 2.385 standard
-/// deviations of the residuals e, estimated by their median.
-/// \param values  one a light, contain cos θ; those of 0.995 and more are saturated
-/// \param lights  unit vectors towards the lights
-[[nodiscard]] NormalFit fit_normal(std::span<const double> values,
-                                   std::span<const std::array<double, 3>> lights,
-                                   bool robust);
-
 struct StereoEstimate {
     Image normals;  ///< (3, rows, cols), unit
     Image albedo;   ///< (bands, rows, cols): I = albedo · max(0, n · l)
@@ -60,13 +41,20 @@ struct StereoEstimate {
     std::vector<std::string> notes;        ///< images left out
 };
 
-/// Normals and albedo from all lights of the view nearest to the surface normal; normals
-/// from the luminance, albedo channel by channel with the same weights.
+/// Normals and albedo from all lights of the view nearest to the surface normal, by weighted
+/// least squares over the lights
+///
+///     g = ρ n = (Lᵀ W L)⁻¹ Lᵀ W I    [Woodham 1980; CAR2, section II.B; SAR]
+///
+/// Plain: W = 1, I the luminance. Robust: Cauchy weights, without shadow and saturated values,
+/// T max(0, g · l) with the light T that a layer lets through where that agrees better, and the
+/// mixture of channels that gloss hardly enters. Albedo is fitted channel by channel with the
+/// weights of the luminance.
 /// \error invalid_argument  photographs without directions
 /// \error singular          fewer than 3 lights, or all in one plane
 /// \error of reading; cancelled
 /// \cost one pass over the images of the view for every `memory_bytes` of them, and about
-///       10 µs a pixel and thread for 81 lights
+///       30 µs a pixel and thread for 81 lights
 [[nodiscard]] Result<StereoEstimate> photometric_stereo(const Measurement& measurement,
                                                         const StereoOptions& options,
                                                         Executor& executor,
