@@ -60,6 +60,9 @@ std::string power_plot(const TextureProfile& a, const TextureProfile& b) {
         for (double& f : frequency) f = std::log2(f);
         return frequency;
     };
+    const auto wavelength = [](double octave) {
+        return fmt::format("{:.3g} pixels", std::exp2(-octave));
+    };
     const std::vector<double> xa = octaves(a.frequency);
     const std::vector<double> xb = octaves(b.frequency);
     const std::vector<double> ya = log10_of(a.power);
@@ -67,7 +70,8 @@ std::string power_plot(const TextureProfile& a, const TextureProfile& b) {
     const auto [left, right] = range_of(xa, xb);
     const auto [bottom, top] = range_of(ya, yb);
     return html::draw({"Power spectrum of lightness, log10 ΔE², averaged over directions",
-                       "log2 cycles a pixel", left, right, bottom, top},
+                       "wavelength, logarithmic", left, right, bottom, top,
+                       wavelength(left), wavelength(right)},
                       {xa, ya}, {xb, yb});
 }
 
@@ -111,8 +115,9 @@ std::string score_table(const Comparison& comparison) {
         "mean</td><td>{:.2f}</td><td></td>"
         "<td></td><td></td></tr></table>\n<p>Not part of the score, 0 is equality: "
         "gradient kurtosis {:.2f}, "
-        "blobs {:.2f} octaves, 5 × 5 patches {:.3f}. Seams of the second picture, 1 is "
-        "seamless: rows {:.2f}, "
+        "blobs {:.2f} octaves, 5 × 5 patches {:.3f}. Seams if the second picture were "
+        "laid "
+        "side by side with itself, 1 is none: rows {:.2f}, "
         "columns {:.2f}.</p>\n",
         rows, s.total, comparison.cross_check.gradient_kurtosis,
         comparison.cross_check.blob, comparison.cross_check.patches, comparison.seam.rows,

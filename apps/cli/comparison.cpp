@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "sateen/synthesis/synthesise.hpp"
@@ -40,6 +41,22 @@ Result<std::size_t> representative_of(const MeasurementInfo& info,
         fmt::format("{}: no image of the directions of subspace {}; is it another "
                     "measurement than the material's?",
                     info.name, subspace)};
+}
+
+/// Which subspace, and how its image was seen and lit.
+std::string title_of(const MeasurementInfo& info, std::size_t observation,
+                     std::size_t subspace) {
+    std::string title = fmt::format("Subspace {}", subspace);
+    if (!info.has_directions()) return title;
+    const auto degrees = [](const Direction& d) {
+        const auto of = [](float radians) {
+            return static_cast<double>(radians) * 180 / std::numbers::pi;
+        };
+        return fmt::format("{:.0f}°, {:.0f}°", of(d.theta), of(d.phi));
+    };
+    const Observation& at = info.observations[observation];
+    return title + fmt::format(": view {}, light {}", degrees(info.views[at.view]),
+                               degrees(info.lights[at.light]));
 }
 
 }  // namespace
@@ -83,7 +100,7 @@ Result<std::vector<Comparison>> compare_subspaces(const Material& material,
         SATEEN_TRY(Image drawn, synthesise(material, lit_subspace(material, k), options,
                                            executor, part));
         SATEEN_TRY(Comparison comparison,
-                   compare_images(fmt::format("Subspace {}", k),
+                   compare_images(title_of(measurement.info(), observation, k),
                                   {measurement.info().observations[observation].name,
                                    std::move(reference)},
                                   {material_name, std::move(drawn)}, executor));

@@ -30,7 +30,8 @@ svg { width: 100%; height: auto; } svg text { font: 11px system-ui, sans-serif; 
 .frame { fill: none; stroke: var(--line); } .a { stroke: var(--a); } .b { stroke: var(--b); }
 .a, .b { fill: none; stroke-width: 1.6; } .key-a { color: var(--a); } .key-b { color: var(--b); }
 table { border-collapse: collapse; } th, td { padding: .25rem .8rem; border-bottom: 1px solid var(--line); text-align: right; }
-th:first-child, td:first-child { text-align: left; } .total td { font-weight: 600; }
+th:first-child, td:first-child, .text { text-align: left; } .text { font-size: .85rem; overflow-wrap: anywhere; }
+td img { display: block; } .pair + table { margin-top: 1rem; } .total td { font-weight: 600; }
 )";
 
 /// A name nobody else uses, gone at the end of the scope.
@@ -129,11 +130,11 @@ std::string page(std::string_view title, std::string_view body) {
         escaped(title), kStyle, body);
 }
 
-Result<std::string> picture(const Image& image) {
-    constexpr std::size_t kMostSide = 768;
+Result<std::string> picture(const Image& image, std::size_t most_side) {
     constexpr std::size_t kMostBytes = std::size_t{1} << 26U;
-    const std::size_t rows = std::min(image.rows(), kMostSide);
-    const std::size_t cols = std::min(image.cols(), kMostSide);
+    constexpr std::size_t kMostTimes = 3;
+    const std::size_t rows = std::min(image.rows(), most_side);
+    const std::size_t cols = std::min(image.cols(), most_side);
     Image shown(image.bands(), rows, cols);
     for (std::size_t b = 0; b < image.bands(); ++b) {
         const auto window = image.plane(b).window((image.rows() - rows) / 2,
@@ -146,8 +147,9 @@ Result<std::string> picture(const Image& image) {
     SATEEN_CHECK(write_image(path.string(), shown.view(), {.png_compression = 6}));
     SATEEN_TRY(const auto bytes, read_file(path.string(), kMostBytes));
     return fmt::format(
-        "<img width=\"{}\" height=\"{}\" alt=\"\" src=\"data:image/png;base64,{}\">",
-        cols, rows, base64(bytes));
+        "<img width=\"{}\" height=\"{}\" style=\"max-width:{}px\" alt=\"\" "
+        "src=\"data:image/png;base64,{}\">",
+        cols, rows, kMostTimes * cols, base64(bytes));
 }
 
 std::string draw(const Plot& plot, const Curve& a, const Curve& b) {
@@ -163,8 +165,11 @@ std::string draw(const Plot& plot, const Curve& a, const Curve& b) {
     };
     text(kLeft - 4, kHeight - kBottom, "end", fmt::format("{:.3g}", plot.y_least));
     text(kLeft - 4, kTop + 9, "end", fmt::format("{:.3g}", plot.y_most));
-    text(kLeft, kHeight - kBottom + 14, "start", fmt::format("{:.3g}", plot.x_least));
-    text(kWidth - 6, kHeight - kBottom + 14, "end", fmt::format("{:.3g}", plot.x_most));
+    const auto end = [](const std::string& label, double x) {
+        return label.empty() ? fmt::format("{:.3g}", x) : label;
+    };
+    text(kLeft, kHeight - kBottom + 14, "start", end(plot.x_first, plot.x_least));
+    text(kWidth - 6, kHeight - kBottom + 14, "end", end(plot.x_last, plot.x_most));
     text((kLeft + kWidth) / 2, kHeight - 6, "middle", plot.x_label);
     svg += polyline(plot, a, "a") + polyline(plot, b, "b");
     return svg + fmt::format("</svg><figcaption>{}</figcaption></figure>\n", plot.title);

@@ -2,6 +2,7 @@
 // What the pages of reports are made of: everything in one file, nothing to load.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -22,9 +23,11 @@ namespace sateen::cli::html {
 /// A whole page. \param title  plain text \param body  HTML
 [[nodiscard]] std::string page(std::string_view title, std::string_view body);
 
-/// An <img> with the picture inside; pictures too large for a page are cropped in the
-/// middle.
-[[nodiscard]] Result<std::string> picture(const Image& image);
+/// An <img> with the picture inside, cropped in the middle to at most so many pixels a side;
+/// it is enlarged three times at most.
+inline constexpr std::size_t kMostSide = 768;
+[[nodiscard]] Result<std::string> picture(const Image& image,
+                                          std::size_t most_side = kMostSide);
 
 /// The frame of a plot of two curves over one another.
 struct Plot {
@@ -34,6 +37,9 @@ struct Plot {
     double x_most = 1;
     double y_least = 0;
     double y_most = 1;
+    /// What stands at the ends of the axis, where it is not x itself.
+    std::string x_first = {};
+    std::string x_last = {};
 };
 
 struct Curve {

@@ -14,6 +14,9 @@
 namespace sateen::cli {
 namespace {
 
+/// Pixels a side in the table of subspaces.
+constexpr std::size_t kThumbnail = 72;
+
 std::string row(std::string_view name, std::string_view value) {
     return fmt::format("<tr><td>{}</td><td>{}</td></tr>", name, value);
 }
@@ -49,16 +52,23 @@ Result<std::string> subspace_table(const Analysis& analysis, const MeasurementIn
                                    const std::vector<Comparison>& comparisons) {
     const Material& material = analysis.material;
     std::string table =
-        "<h2>Subspaces</h2>\n<table><tr><th>number</th><th>modelled from</th>"
-        "<th>images</th><th>field</th><th>levels</th><th>coefficients</th>"
-        "<th>payload bytes</th><th>score</th></tr>";
+        "<h2>Subspaces</h2>\n<table><tr><th>number</th><th>measured</th><th>drawn</th>"
+        "<th class=\"text\">modelled "
+        "from</th><th>images</th><th>field</th><th>levels</th>"
+        "<th>coefficients</th><th>payload bytes</th><th>score</th></tr>";
     for (std::size_t k = 0; k < material.subspaces.size(); ++k) {
         const Subspace& subspace = material.subspaces[k];
         SATEEN_TRY(const std::size_t bytes, bytes_of_subspace(material, k));
+        SATEEN_TRY(const std::string measured,
+                   html::picture(comparisons[k].reference, kThumbnail));
+        SATEEN_TRY(const std::string drawn,
+                   html::picture(comparisons[k].candidate, kThumbnail));
         table += fmt::format(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td "
+            "class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
             "<td>{}</td><td>{:.2f}</td></tr>",
-            k, html::escaped(info.observations[analysis.representatives[k]].name),
+            k, measured, drawn,
+            html::escaped(info.observations[analysis.representatives[k]].name),
             subspace.members, field_names({&subspace, 1}), subspace.levels.size(),
             coefficients_in(subspace), bytes, comparisons[k].score.total);
     }
@@ -68,7 +78,9 @@ Result<std::string> subspace_table(const Analysis& analysis, const MeasurementIn
 Result<std::string> part_table(const Material& material, std::size_t bytes) {
     SATEEN_TRY(const auto parts, material_part_bytes(material));
     std::string table =
-        "<h2>Bytes</h2>\n<table><tr><th>part</th><th>payload bytes</th></tr>";
+        "<h2>Bytes</h2>\n<p>Payload: what the parts hold before the file is compressed "
+        "as a "
+        "whole.</p>\n<table><tr><th>part</th><th>payload bytes</th></tr>";
     for (const PartBytes& part : parts)
         table += row(part.part, std::to_string(part.bytes));
     return table + fmt::format(
