@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,48 @@ struct Window {
     LatticeRange cols;
 };
 
+/// Levels that one kernel draws.
+struct Part {
+    PlaneField field;
+    bool pinned;             ///< holds the low frequencies
+    std::size_t expansions;  ///< to the finest level
+    Image density;
+};
+
+/// What expansions make of a density along one axis, on average over the finest lattice: from
+/// 2πk/n on the coarse lattice it comes out at the frequencies (2πk/n + 2πa) / 2^levels, each
+/// level with the gain 2 cos⁸(ω/2) of its own ω.
+std::vector<double> expansion_gain(std::size_t n, std::size_t levels) {
+    const std::size_t copies = std::size_t{1} << levels;
+    std::vector<double> gain(n, 0);
+    for (std::size_t k = 0; k < n; ++k)
+        for (std::size_t a = 0; a < copies; ++a) {
+            double omega = 2 * std::numbers::pi * static_cast<double>(k + a * n) /
+                           static_cast<double>(copies * n);
+            double product = 1 / static_cast<double>(copies);
+            for (std::size_t level = 0; level < levels; ++level, omega *= 2)
+                product *= 2 * std::pow(std::cos(omega / 2), 8);
+            gain[k] += product;
+        }
+    return gain;
+}
+
+/// The variance, on average over the finest lattice, of a field of this density that is expanded
+/// so many times. On the grid of the kernel: a finer one, or a coarser one, would see more or
+/// less of a peak near frequency 0.
+double expanded_variance(PlaneView<const float> density, std::size_t cols,
+                         std::size_t levels) {
+    const std::vector<double> by_row = expansion_gain(density.rows, levels);
+    const std::vector<double> by_col = expansion_gain(cols, levels);
+    double sum = 0;
+    for (std::size_t m = 0; m < density.rows; ++m)
+        for (std::size_t n = 0; n < density.cols; ++n) {
+            const double twice = n == 0 || 2 * n == cols ? 1 : 2;
+            sum += twice * by_row[m] * by_col[n] * static_cast<double>(density(m, n));
+        }
+    return sum / static_cast<double>(density.rows * cols);
+}
+
 }  // namespace
 
 Result<InfiniteField> InfiniteField::create(const PlaneField& field, Period period,
@@ -44,37 +88,40 @@ Result<InfiniteField> InfiniteField::create(const PlaneField& field, Period peri
         field.levels.size() > kFineLevels && divisible(period, kFineLevels);
     const std::size_t rows = split ? kBlockRows : kWholeBlockRows;
     const std::size_t cols = split ? kBlockCols : kWholeBlockCols;
-    const std::size_t d = field.planes;
-    const auto density_of = [&](const PlaneField& part, bool suppress) {
-        Image density = spectral_density(part, rows, cols, executor);
-        for (std::size_t k = 0; suppress && k < density.bands(); ++k)
-            suppress_unmeasured(part, density.plane(k), cols);
-        return density;
-    };
-    const Image whole = density_of(field, true);
-    std::array<float, kMaxBands> units{};
-    for (std::size_t i = 0; i < d; ++i) {
-        const double variance = mean_density(whole.plane(i * d + i), cols);
-        units[i] = variance > 0 ? static_cast<float>(1 / std::sqrt(variance)) : 0.0F;
+    std::vector<Part> parts;
+    if (split) {
+        parts.push_back({field.finer(kFineLevels), false, 0, {}});
+        parts.push_back({field.coarser(kFineLevels), true, kFineLevels, {}});
+    } else {
+        parts.push_back({field, true, 0, {}});
     }
-
-    const auto kernel = [&](const PlaneField& part,
-                            bool pin_mean) -> Result<OverlapSave> {
-        const Image density = density_of(part, pin_mean);
-        std::optional<SampleExtent> pinned;
-        if (pin_mean) pinned = SampleExtent{part.sample_rows, part.sample_cols};
-        SATEEN_TRY(OverlapSave overlap_save,
-                   OverlapSave::create(density.view(), cols, pinned, executor));
-        for (std::size_t i = 0; i < d; ++i) overlap_save.scale(i, units[i]);
-        return overlap_save;
-    };
-    if (!split) {
-        SATEEN_TRY(result.fine_, kernel(field, true));
-        return result;
+    std::array<double, kMaxBands> variances{};
+    for (Part& part : parts) {
+        part.density = spectral_density(part.field, rows, cols, executor);
+        for (std::size_t k = 0; part.pinned && k < part.density.bands(); ++k)
+            suppress_unmeasured(part.field, part.density.plane(k), cols);
+        for (std::size_t i = 0; i < field.planes; ++i)
+            variances[i] += expanded_variance(part.density.plane(i * field.planes + i),
+                                              cols, part.expansions);
     }
-    result.split_ = kFineLevels;
-    SATEEN_TRY(result.fine_, kernel(field.finer(kFineLevels), false));
-    SATEEN_TRY(result.coarse_, kernel(field.coarser(kFineLevels), true));
+    std::vector<OverlapSave> kernels;
+    for (const Part& part : parts) {
+        std::optional<SampleExtent> sample;
+        if (part.pinned)
+            sample = SampleExtent{part.field.sample_rows, part.field.sample_cols};
+        SATEEN_TRY(OverlapSave kernel,
+                   OverlapSave::create(part.density.view(), cols, sample, executor));
+        for (std::size_t i = 0; i < field.planes; ++i)
+            kernel.scale(i, variances[i] > 0
+                                ? static_cast<float>(1 / std::sqrt(variances[i]))
+                                : 0.0F);
+        kernels.push_back(std::move(kernel));
+    }
+    result.fine_ = std::move(kernels.front());
+    if (split) {
+        result.split_ = kFineLevels;
+        result.coarse_ = std::move(kernels.back());
+    }
     return result;
 }
 
