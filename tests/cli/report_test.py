@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """sateen model --report: a page that needs nothing but itself."""
 
+import html
 import html.parser
 import unittest
 
@@ -51,6 +52,20 @@ class Report(CliTest):
         page = self.read("r.html")
         for subspace in report["subspaces"]:
             self.assertIn(subspace["representative"], page.cells)
+
+    def test_names_what_the_published_estimators_ran_into(self):
+        self.file("stone.png", photograph(96, 96))
+        for says, options in (
+            ("spectrum is not positive", ["--field", "gmrf2d"]),
+            ("nearly singular", ["--field", "sar3d", "--neighbourhood", "order:2"]),
+        ):
+            report = self.succeed_with_json(
+                "model", "stone.png", "-o", "m.sateen", "--paper", *options, "--report", "r.html"
+            )
+            self.assertTrue(any(says in note for note in report["notes"]), report["notes"])
+            page = (self.folder / "r.html").read_text(encoding="utf-8")
+            for note in report["notes"]:
+                self.assertIn(html.escape(note), page.replace("'", "&#x27;"))
 
     def test_is_refused_before_the_work_where_it_cannot_be_written(self):
         self.file("stone.png", photograph(96, 96))
