@@ -20,6 +20,8 @@ using Plane = BasicImage<double>;
 
 // Pixels along the border that are equal in all tiles: slopes across it are, too.
 constexpr std::size_t kEqualBorder = 2;
+// So few of the shifts agree about as well as the best.
+constexpr std::size_t kOneOfShifts = 10;
 // Of squares of pixels: nothing is divided by less.
 constexpr double kFlat = 1e-12;
 
@@ -155,6 +157,12 @@ Plane border_mask(const TileLattice& lattice, std::size_t width) {
     return mask;
 }
 
+Plane inner_mask(const TileLattice& lattice, std::size_t width) {
+    Plane mask = border_mask(lattice, width);
+    for (double& v : mask.values()) v = 1 - v;
+    return mask;
+}
+
 /// Σ_x a(x) b(x + s) for every shift s of the torus.
 class Correlation {
   public:
@@ -282,7 +290,11 @@ Interchange::Interchange(const RolledTile& tile, const TileLattice& lattice)
       lattice_(lattice),
       band_(band_width(lattice)),
       stack_(closed_stack(tile.z, lattice)),
-      band_errors_(band_errors()) {}
+      salience_(salience_of(tile.z, lattice)),
+      shown_(1, lattice.rows, lattice.cols),
+      band_errors_(band_errors()) {
+    std::fill(shown_.values().begin(), shown_.values().end(), 1.0);
+}
 
 RolledTile Interchange::another() {
     const Shift shift = best_shift();
@@ -292,6 +304,9 @@ RolledTile Interchange::another() {
         for (std::size_t c = 0; c < lattice_.cols; ++c)
             error(0, r, c) = stack_.error(lattice_.site(r, c), shifted(r, c, shift));
     const std::vector<std::uint8_t> inside = minimum_error_inside(error, band_);
+    for (std::size_t r = 0; r < lattice_.rows; ++r)
+        for (std::size_t c = 0; c < lattice_.cols; ++c)
+            shown_.values()[shifted(r, c, shift)] += inside[lattice_.site(r, c)];
     SlopeField slopes(2, lattice_.rows, lattice_.cols);
     for (std::size_t r = 0; r < lattice_.rows; ++r)
         for (std::size_t c = 0; c < lattice_.cols; ++c) {
@@ -370,17 +385,29 @@ std::vector<double> Interchange::band_errors() const {
     return out;
 }
 
+/// Of the shifts whose borders agree best, the one whose inside shows least of what stands out
+/// and was shown before.
 Interchange::Shift Interchange::best_shift() const {
-    Shift best{lattice_.rows / 2, lattice_.cols / 2};
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t row = 0; row < lattice_.rows; ++row)
-        for (std::size_t col = 0; col < lattice_.cols; ++col) {
-            const double error = band_errors_[row * lattice_.cols + col];
-            if (error >= least || !is_new({row, col})) continue;
-            least = error;
-            best = {row, col};
-        }
-    return best;
+    std::vector<std::size_t> shifts;
+    for (std::size_t at = 0; at < band_errors_.size(); ++at)
+        if (is_new({at / lattice_.cols, at % lattice_.cols})) shifts.push_back(at);
+    if (shifts.empty()) return {lattice_.rows / 2, lattice_.cols / 2};
+    const auto few =
+        shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / kOneOfShifts + 1);
+    std::partial_sort(
+        shifts.begin(), std::min(few, shifts.end()), shifts.end(),
+        [&](std::size_t x, std::size_t y) { return band_errors_[x] < band_errors_[y]; });
+    Plane seen(1, lattice_.rows, lattice_.cols);
+    for (std::size_t i = 0; i < seen.plane_size(); ++i)
+        seen.values()[i] = salience_.values()[i] * shown_.values()[i];
+    Correlation correlation(lattice_);
+    correlation.add(inner_mask(lattice_, band_), std::as_const(seen).plane(0), 1);
+    const Plane again = std::move(correlation).values();
+    const std::size_t best = *std::min_element(
+        shifts.begin(), std::min(few, shifts.end()), [&](std::size_t x, std::size_t y) {
+            return again.values()[x] < again.values()[y];
+        });
+    return {best / lattice_.cols, best % lattice_.cols};
 }
 
 /// Adds the smoothest surface that takes the border to that of the first tile, from which it

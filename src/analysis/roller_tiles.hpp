@@ -76,6 +76,8 @@ class Interchange {
     TileLattice lattice_;
     std::size_t band_;
     SlopeStack stack_;
+    BasicImage<double> salience_;
+    BasicImage<double> shown_;         ///< how many tiles show a pixel of the torus
     std::vector<double> band_errors_;  ///< of every shift
     std::vector<Shift> taken_;
 };
