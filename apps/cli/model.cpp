@@ -151,9 +151,16 @@ void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& resu
                            {"tiles", material.surface->tiles.size()},
                            {"delit", material.surface->delit},
                            {"shading_share", analysis.shading_share}};
-    if (range && range->method == SurfaceMethod::shading)
+    if (range) {
+        json["surface"]["estimated_bytes"] = range->estimated_bytes;
+        json["surface"]["seam_ratio"] = {{"height", range->seam_ratio},
+                                         {"normals", range->normal_seam_ratio}};
+    }
+    if (range && range->method == SurfaceMethod::shading) {
         json["surface"]["light"] = {range->light.theta / kRadiansPerDegree,
                                     range->light.phi / kRadiansPerDegree};
+        json["surface"]["light_estimated"] = range->light_estimated;
+    }
     json["notes"] = analysis.notes;
     print_json(json);
 }

@@ -181,6 +181,7 @@ Result<RangeMap> estimate_by(SurfaceMethod method, const Measurement& measuremen
     roller.tiles = options.tiles;
     SATEEN_TRY(RolledSurface rolled, roll(sample_of(height), roller));
     out.seam_ratio = rolled.seam_ratio;
+    out.normal_seam_ratio = rolled.normal_seam_ratio;
     SATEEN_CHECK(quantise_within(std::move(rolled.tiles), rolled.shear_px,
                                  options.budget_bytes, out));
     return out;

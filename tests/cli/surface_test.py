@@ -96,6 +96,58 @@ class Surfaces(CliTest):
         self.assertEqual(names, ["albedo.png", "height.png", "maps.json", "normal.png"])
         self.assertEqual(self.leftovers(), [])
 
+    def light_lines(self, scale=1.0):
+        """Lines of the icon's light position file without their count."""
+        lines = self.icon().read_text().splitlines()[1:]
+        out = []
+        for line in lines:
+            words = line.split()
+            xyz = (f"{scale * float(v):.7f}" for v in words[2:])
+            out.append([" ".join(words[:2]), *xyz])
+        return out
+
+    def test_light_position_files_as_they_are_found(self):
+        right = self.succeed_with_json("model", self.icon(), "-o", "m.sateen")["surface"]
+        lines = self.light_lines(scale=3.5)
+        folder = self.folder / "icon"
+        for what, head, ends, name in (
+            ("CRLF and positions for vectors", "12", "\r\n", "{}"),
+            ("tabs, blank lines and no count", "", "\n\n", "{}"),
+            ("paths of a Windows machine", "12", "\n", "C:\\scans\\my icon\\{}"),
+            ("paths of another machine", "12", "\n", "/home/them/icon/{}"),
+            ("paths from elsewhere", "12", "\n", "./{}"),
+            ("names of another case", "12", "\n", "{}"),
+        ):
+            with self.subTest(what):
+                rows = [head] if head else []
+                for image, *xyz in lines:
+                    image = image.upper() if "case" in what else image
+                    gap = "\t" if "tabs" in what else " "
+                    rows.append(gap.join([name.format(image), *xyz]))
+                (folder / "dirs.lp").write_bytes(ends.join(rows).encode())
+                found = self.succeed_with_json(
+                    "model", folder / "dirs.lp", "-o", "m.sateen"
+                )["surface"]
+                self.assertEqual(found["size"], right["size"])
+                self.assertAlmostEqual(found["shading_share"], right["shading_share"], delta=0.01)
+
+    def test_light_position_files_that_are_wrong(self):
+        lines = [" ".join(line) for line in self.light_lines()]
+        for what, text, names in (
+            ("an image that is not there", ["12", *lines[:-1], "gone.png 0 0 1"],
+             ["dirs.lp", "gone.png"]),
+            ("no vector", ["12", *lines[:-1], "light 11.png 0 0 0"], ["dirs.lp", "line 13"]),
+            ("no number", ["12", *lines[:-1], "light 11.png 0 x 1"], ["dirs.lp", "line 13"]),
+            ("nothing", [], ["dirs.lp"]),
+        ):
+            with self.subTest(what):
+                path = self.file("icon/dirs.lp", "\n".join(text).encode())
+                self.refuse("model", path, "-o", "n.sateen", names=names)
+                self.assertFalse((self.folder / "n.sateen").exists())
+        path = self.file("icon/dirs.lp", "\n".join(["20", *lines]).encode())
+        self.assertIn("states 20 images and lists 12",
+                      self.succeed("model", path, "-o", "n.sateen").err)  # fmt: skip
+
     def test_maps_of_any_size(self):
         self.succeed("model", self.icon(), "-o", "m.sateen")
         for size in ("96x48", "70x50"):

@@ -47,7 +47,8 @@ struct RangeMap {
     Direction light;  ///< of the photograph, for shading
     bool light_estimated = false;
     Surface surface;
-    double seam_ratio = 1;
+    double seam_ratio = 1;         ///< see RolledSurface
+    double normal_seam_ratio = 1;  ///< of normals derived from the tiles
     std::size_t estimated_bytes = 0;
     std::vector<std::string> notes;
 };
