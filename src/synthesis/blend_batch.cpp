@@ -3,7 +3,6 @@
 #include "synthesis/blend_batch.hpp"
 
 #include <algorithm>
-#include <limits>
 
 // With static dispatch (WebAssembly) only the compiler's own target is built.
 #ifdef SATEEN_STATIC_DISPATCH
@@ -14,7 +13,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <hwy/contrib/math/math-inl.h>
+#include "synthesis/batch_vector-inl.hpp"
 
 #ifndef SATEEN_SYNTHESIS_BLEND_BATCH_ONCE
 #define SATEEN_SYNTHESIS_BLEND_BATCH_ONCE
@@ -30,10 +29,6 @@ inline constexpr float kMostRoot = 2.83F;
 inline constexpr float kLeastPower = 0.5F;
 // Blends of less than this for C, a contrast of 10^-4, are left alone.
 inline constexpr float kUniform = 1e-8F;
-// Rounding of weights at the border between two cells, as DirectionMesh has it.
-inline constexpr float kOutsideCell = -1e-5F;
-// From the square's start one or two steps are usual.
-inline constexpr int kMostSteps = 64;
 
 // What the nine pairs of a blend add up to.
 struct BlendSums {
@@ -58,91 +53,6 @@ struct PairBatch {
 HWY_BEFORE_NAMESPACE();
 namespace sateen::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using DF = hn::CappedTag<float, kBatch>;
-using DI = hn::RebindToSigned<DF>;
-using Float = hn::Vec<DF>;
-using Int = hn::Vec<DI>;
-
-HWY_INLINE Float set(float value) {
-    return hn::Set(DF(), value);
-}
-
-struct CellCoordinates {
-    Int base;
-    Float s0, s1, s2;
-};
-
-HWY_INLINE Float word(const DirectionTable& table, Int base, int at) {
-    return hn::GatherIndex(DF(), table.cells.data() + at, base);
-}
-
-HWY_INLINE Float along(const DirectionTable& table, Int base, int row, Float x, Float y,
-                       Float z) {
-    return hn::MulAdd(x, word(table, base, row),
-                      hn::MulAdd(y, word(table, base, row + 1),
-                                 hn::Mul(z, word(table, base, row + 2))));
-}
-
-// The walk of DirectionMesh::interpolate, all lanes until the last has arrived.
-bool interpolate_lanes(const DirectionTable& table, const VectorBatch& directions,
-                       std::size_t count, WeightBatch& out) {
-    const DF df;
-    const DI di;
-    constexpr auto kSide = static_cast<float>(DirectionMesh::kStartSide);
-    bool arrived = true;
-    for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
-        const Float x = hn::LoadU(df, directions[0].data() + i);
-        const Float y = hn::LoadU(df, directions[1].data() + i);
-        const Float z = hn::LoadU(df, directions[2].data() + i);
-        const Float scale =
-            hn::Div(set(0.5F * kSide), hn::Add(set(1), hn::Max(z, hn::Zero(df))));
-        const auto square = [&](Float v) {
-            const Float at = hn::MulAdd(v, scale, set(0.5F * kSide));
-            return hn::ConvertTo(di, hn::Clamp(at, hn::Zero(df), set(kSide - 1)));
-        };
-        const Int start = hn::Add(
-            hn::Mul(square(y), hn::Set(di, DirectionMesh::kStartSide)), square(x));
-        Float cell = hn::GatherIndex(df, table.starts.data(), start);
-        CellCoordinates at{};
-        auto inside = hn::Eq(cell, set(-1));
-        for (int step = 0; step < kMostSteps; ++step) {
-            at.base = hn::ShiftLeft<4>(hn::ConvertTo(di, cell));
-            at.s0 = along(table, at.base, DirectionTable::kRows, x, y, z);
-            at.s1 = along(table, at.base, DirectionTable::kRows + 3, x, y, z);
-            at.s2 = along(table, at.base, DirectionTable::kRows + 6, x, y, z);
-            const Float least = hn::Min(at.s0, hn::Min(at.s1, at.s2));
-            inside = hn::Ge(least, set(kOutsideCell));
-            if (hn::AllTrue(df, inside)) break;
-            const Int corner =
-                hn::IfThenElse(hn::RebindMask(di, hn::Eq(least, at.s0)), hn::Zero(di),
-                               hn::IfThenElse(hn::RebindMask(di, hn::Eq(least, at.s1)),
-                                              hn::Set(di, 1), hn::Set(di, 2)));
-            const Float next =
-                word(table, hn::Add(at.base, corner), DirectionTable::kNeighbour);
-            cell = hn::IfThenElse(inside, cell, next);
-        }
-        arrived = arrived && hn::AllTrue(df, inside);
-        const Float s0 = hn::Max(at.s0, hn::Zero(df));
-        const Float s1 = hn::Max(at.s1, hn::Zero(df));
-        const Float s2 = hn::Mul(hn::Max(at.s2, hn::Zero(df)),
-                                 word(table, at.base, DirectionTable::kThird));
-        const Float sum = hn::Add(s0, hn::Add(s1, s2));
-        const Float whole = hn::Div(set(1), hn::Max(sum, set(1e-30F)));
-        const auto some = hn::Gt(sum, hn::Zero(df));
-        hn::StoreU(hn::IfThenElse(some, hn::Mul(s0, whole), set(1)), df,
-                   out.weight[0].data() + i);
-        hn::StoreU(hn::Mul(s1, whole), df, out.weight[1].data() + i);
-        hn::StoreU(hn::Mul(s2, whole), df, out.weight[2].data() + i);
-        for (int k = 0; k < 3; ++k)
-            hn::StoreU(
-                hn::ConvertTo(di, word(table, at.base, DirectionTable::kVertex + k)), di,
-                out.index[static_cast<std::size_t>(k)].data() + i);
-    }
-    return arrived;
-}
 
 // The 3 x 3 products, and those of equal subspaces merged into the first.
 HWY_INLINE void multiply(const BlendTables& tables, const WeightBatch& views,
@@ -194,41 +104,6 @@ HWY_INLINE void merge(std::size_t i, PairBatch& pairs) {
     for (std::size_t p = 0; p < Blend::kMost; ++p)
         hn::StoreU(weight[p], df, pairs.weight[p].data() + i);
 }
-
-// Four floats; vectors have room for them but on the scalar target.
-#if HWY_TARGET == HWY_SCALAR
-struct Four {
-    std::array<float, 4> value;
-};
-HWY_INLINE Four no_four() {
-    return {{0, 0, 0, 0}};
-}
-HWY_INLINE Four load_four(const float* from) {
-    return {{from[0], from[1], from[2], from[3]}};
-}
-HWY_INLINE void store(const Four& four, float* to) {
-    for (std::size_t c = 0; c < 4; ++c) to[c] = four.value[c];
-}
-HWY_INLINE Four add_product(float factor, const Four& a, Four sum) {
-    for (std::size_t c = 0; c < 4; ++c) sum.value[c] += factor * a.value[c];
-    return sum;
-}
-#else
-using FourTag = hn::FixedTag<float, 4>;
-using Four = hn::Vec<FourTag>;
-HWY_INLINE Four no_four() {
-    return hn::Zero(FourTag());
-}
-HWY_INLINE Four load_four(const float* from) {
-    return hn::LoadU(FourTag(), from);
-}
-HWY_INLINE void store(const Four& four, float* to) {
-    hn::StoreU(four, FourTag(), to);
-}
-HWY_INLINE Four add_product(float factor, const Four& a, const Four& sum) {
-    return hn::MulAdd(hn::Set(FourTag(), factor), a, sum);
-}
-#endif
 
 HWY_INLINE void add_appearance(const BlendTables& tables, const PairBatch& pairs,
                                std::size_t i, BlendSums& sums) {
@@ -283,13 +158,6 @@ HWY_INLINE void add_moments(const BlendTables& tables, const BlendBatch& blends,
         sums.mean[c][i] = row[BlendTables::kMean + c];
         sums.shape[c][i] = row[BlendTables::kShape + c];
     }
-}
-
-HWY_INLINE Float power(Float x, Float exponent) {
-    const DF df;
-    const Float positive = hn::Max(x, set(std::numeric_limits<float>::min()));
-    const Float value = hn::Exp(df, hn::Mul(exponent, hn::Log(df, positive)));
-    return hn::IfThenElse(hn::Gt(x, hn::Zero(df)), value, hn::Zero(df));
 }
 
 // The cosine of the light for that of the interpolated lights: between them it makes good
@@ -407,85 +275,6 @@ void blend_lanes(const BlendTables& tables, const WeightBatch& views,
     }
 }
 
-// Where a coordinate, in turns, lies between two texels: the first, the second, and how far.
-struct Axis {
-    Int first, second;
-    Float part;
-};
-
-HWY_INLINE Axis axis_at(Float turns, std::size_t side) {
-    const DF df;
-    const DI di;
-    const auto count = static_cast<std::int32_t>(side);
-    const Float rest = hn::Sub(turns, hn::Floor(turns));
-    const Float x = hn::MulAdd(rest, set(static_cast<float>(side)), set(0.5F));
-    const Int next = hn::Min(hn::ConvertTo(di, x), hn::Set(di, count));  // 0 … side
-    const Int last = hn::Set(di, count - 1);
-    const Int first = hn::Sub(next, hn::Set(di, 1));
-    return {hn::IfThenElse(hn::Lt(first, hn::Zero(di)), last, first),
-            hn::IfThenElse(hn::Gt(next, last), hn::Zero(di), next),
-            hn::Sub(x, hn::ConvertTo(df, next))};
-}
-
-void texture_lanes(const float* texels, std::size_t side, const BlendBatch& blends,
-                   const BatchLane& u, const BatchLane& v, std::size_t count,
-                   VectorBatch& out) {
-    const DF df;
-    const DI di;
-    std::array<std::array<std::int32_t, kBatch>, 4> taps;
-    std::array<BatchLane, 4> shares;
-    const Int stride = hn::Set(di, static_cast<std::int32_t>(side));
-    for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
-        const Axis col = axis_at(hn::LoadU(df, u.data() + i), side);
-        const Axis row = axis_at(hn::Neg(hn::LoadU(df, v.data() + i)), side);
-        const Int above = hn::Mul(row.first, stride);
-        const Int below = hn::Mul(row.second, stride);
-        const Float left = hn::Sub(set(1), col.part);
-        const Float up = hn::Sub(set(1), row.part);
-        const auto store = [&](std::size_t k, Int at, Float share) {
-            hn::StoreU(hn::ShiftLeft<2>(at), di, taps[k].data() + i);
-            hn::StoreU(share, df, shares[k].data() + i);
-        };
-        store(0, hn::Add(above, col.first), hn::Mul(up, left));
-        store(1, hn::Add(above, col.second), hn::Mul(up, col.part));
-        store(2, hn::Add(below, col.first), hn::Mul(row.part, left));
-        store(3, hn::Add(below, col.second), hn::Mul(row.part, col.part));
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        std::array<Four, 4> sum;
-        for (Four& four : sum) four = no_four();
-        for (std::size_t a = 0; a < blends.count[i]; ++a) {
-            const float* texture = texels + blends.subspace[i][a] * side * side * 4;
-            for (std::size_t k = 0; k < 4; ++k)
-                sum[k] = add_product(blends.weight[i][a], load_four(texture + taps[k][i]),
-                                     sum[k]);
-        }
-        Four colour = no_four();
-        for (std::size_t k = 0; k < 4; ++k)
-            colour = add_product(shares[k][i], sum[k], colour);
-        std::array<float, 4> value{};
-        store(colour, value.data());
-        for (std::size_t c = 0; c < 3; ++c) out[c][i] = value[c];
-    }
-}
-
-void shape_lanes(const BlendBatch& blends, std::size_t count, VectorBatch& x) {
-    const DF df;
-    for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
-        const Float exponent = hn::LoadU(df, blends.power.data() + i);
-        const bool straight = hn::AllTrue(df, hn::Eq(exponent, set(1)));
-        for (std::size_t c = 0; c < 3; ++c) {
-            Float value = hn::LoadU(df, x[c].data() + i);
-            if (!straight)
-                value = hn::IfThenElse(hn::Eq(exponent, set(1)), value,
-                                       power(value, exponent));
-            value = hn::MulAdd(hn::LoadU(df, blends.gain[c].data() + i), value,
-                               hn::LoadU(df, blends.offset[c].data() + i));
-            hn::StoreU(hn::Max(value, hn::Zero(df)), df, x[c].data() + i);
-        }
-    }
-}
-
 }  // namespace
 }  // namespace sateen::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -493,47 +282,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sateen {
 
-HWY_EXPORT(interpolate_lanes);
 HWY_EXPORT(blend_lanes);
-HWY_EXPORT(texture_lanes);
-HWY_EXPORT(shape_lanes);
-
-DirectionTable direction_table(const DirectionMesh& mesh) {
-    DirectionTable table;
-    for (const std::uint16_t start : mesh.starts())
-        table.starts.push_back(static_cast<float>(start));
-    for (const DirectionCell& cell : mesh.cells()) {
-        for (const std::array<float, 3>& row : cell.row)
-            table.cells.insert(table.cells.end(), row.begin(), row.end());
-        table.cells.push_back(cell.sector ? 0.0F : 1.0F);
-        for (const std::uint16_t next : cell.neighbour)
-            table.cells.push_back(static_cast<float>(next));
-        for (const std::uint16_t vertex : cell.vertex)
-            table.cells.push_back(static_cast<float>(vertex));
-    }
-    return table;
-}
-
-bool interpolate_batch(const DirectionTable& table, const VectorBatch& directions,
-                       std::size_t count, WeightBatch& out) {
-    return HWY_DYNAMIC_DISPATCH(interpolate_lanes)(table, directions, count, out);
-}
 
 void blend_batch(const BlendTables& tables, const WeightBatch& views,
                  const WeightBatch& lights, const BatchLane& light_height,
                  const FactorBatch& factors, std::size_t count, BlendBatch& out) {
     HWY_DYNAMIC_DISPATCH(blend_lanes)
     (tables, views, lights, light_height, factors, count, out);
-}
-
-void texture_batch(const float* texels, std::size_t side, const BlendBatch& blends,
-                   const BatchLane& u, const BatchLane& v, std::size_t count,
-                   VectorBatch& out) {
-    HWY_DYNAMIC_DISPATCH(texture_lanes)(texels, side, blends, u, v, count, out);
-}
-
-void shape_batch(const BlendBatch& blends, std::size_t count, VectorBatch& x) {
-    HWY_DYNAMIC_DISPATCH(shape_lanes)(blends, count, x);
 }
 
 }  // namespace sateen
