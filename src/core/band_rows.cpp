@@ -12,24 +12,16 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/vector_row-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace sateen::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A vector, or one value at the end of a row: the same operations in the same order, without
-// fused multiply-add, so that a site has the same bits wherever it lies and on every target.
-using Full = hn::ScalableTag<float>;
-using One = hn::CappedTag<float, 1>;
-
-template <class Step>
-HWY_INLINE void for_row(std::size_t count, const Step& step) {
-    const std::size_t lanes = hn::Lanes(Full());
-    std::size_t x = 0;
-    for (; x + lanes <= count; x += lanes) step(Full(), x);
-    for (; x < count; ++x) step(One(), x);
-}
+// Without fused multiply-add, so that a site has the same bits wherever it lies and on every
+// target.
 
 template <class D, class V>
 HWY_INLINE V binomial(D d, V a, V b, V c, V e, V f) {

@@ -10,6 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/vector_row-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace sateen::HWY_NAMESPACE {
 namespace {
@@ -45,20 +47,13 @@ HWY_INLINE V updated(V old, V value, Update update) {
     return update == Update::add ? hn::Add(old, value) : hn::Sub(old, value);
 }
 
-template <class D>
-HWY_INLINE void reduce_rows_at(D d, const float* const rows[5], float* line,
-                               std::size_t x) {
-    hn::StoreU(reduced(d, hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[1] + x),
-                       hn::LoadU(d, rows[2] + x), hn::LoadU(d, rows[3] + x),
-                       hn::LoadU(d, rows[4] + x)),
-               d, line + x);
-}
-
 void reduce_rows(const float* const rows[5], float* line, std::size_t count) {
-    const std::size_t lanes = hn::Lanes(Full());
-    std::size_t x = 0;
-    for (; x + lanes <= count; x += lanes) reduce_rows_at(Full(), rows, line, x);
-    for (; x < count; ++x) reduce_rows_at(One(), rows, line, x);
+    for_row(count, [&](auto d, std::size_t x) HWY_ATTR {
+        hn::StoreU(reduced(d, hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[1] + x),
+                           hn::LoadU(d, rows[2] + x), hn::LoadU(d, rows[3] + x),
+                           hn::LoadU(d, rows[4] + x)),
+                   d, line + x);
+    });
 }
 
 template <class D>
@@ -84,24 +79,15 @@ void reduce_columns(const float* line, float* coarse, std::size_t count) {
     }
 }
 
-template <class D>
-HWY_INLINE void expand_rows_at(D d, const float* above, const float* here,
-                               const float* below, bool odd, float* line, std::size_t j) {
-    const auto b = hn::LoadU(d, here + j);
-    const auto c = hn::LoadU(d, below + j);
-    const auto sum =
-        odd ? expanded_odd(d, b, c) : expanded_even(d, hn::LoadU(d, above + j), b, c);
-    hn::StoreU(sum, d, line + j);
-}
-
 void expand_rows(const float* above, const float* here, const float* below, bool odd,
                  float* line, std::size_t count) {
-    const std::size_t lanes = hn::Lanes(Full());
-    std::size_t j = 0;
-    for (; j + lanes <= count; j += lanes) {
-        expand_rows_at(Full(), above, here, below, odd, line, j);
-    }
-    for (; j < count; ++j) expand_rows_at(One(), above, here, below, odd, line, j);
+    for_row(count, [&](auto d, std::size_t j) HWY_ATTR {
+        const auto b = hn::LoadU(d, here + j);
+        const auto c = hn::LoadU(d, below + j);
+        const auto sum =
+            odd ? expanded_odd(d, b, c) : expanded_even(d, hn::LoadU(d, above + j), b, c);
+        hn::StoreU(sum, d, line + j);
+    });
 }
 
 // One fine site: even ones have three coarse ones from `at`, odd ones two.

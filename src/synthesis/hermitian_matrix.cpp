@@ -11,6 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/vector_row-inl.hpp"
 #include "synthesis/complex_vector-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -228,15 +229,6 @@ HWY_INLINE void multiply(D d, const Hermitian3<D>& X, const ComplexRows<const fl
     }
 }
 
-/// body(d, n) for whole vectors, then for single frequencies.
-template <class Body>
-HWY_INLINE void for_each_vector(std::size_t count, const Body& body) {
-    const hn::ScalableTag<float> d;
-    std::size_t n = 0;
-    for (; n + hn::Lanes(d) <= count; n += hn::Lanes(d)) body(d, n);
-    for (; n < count; ++n) body(hn::CappedTag<float, 1>(), n);
-}
-
 /// take(d, n, X) with the roots at the frequencies from n on.
 template <class T, class Take>
 HWY_INLINE void for_each_root(const HermitianRows<T>& S, std::size_t count,
@@ -245,13 +237,12 @@ HWY_INLINE void for_each_root(const HermitianRows<T>& S, std::size_t count,
     RootFactors factors;
     for (std::size_t first = 0; first < count; first += kPiece) {
         const std::size_t piece = std::min(kPiece, count - first);
-        for_each_vector(piece, [&](auto d, std::size_t at) HWY_ATTR {
+        for_row(piece, [&](auto d, std::size_t at) HWY_ATTR {
             find_invariants(d, load(d, S, first + at), at, invariants);
         });
-        for_each_vector(piece, [&](auto d, std::size_t at) HWY_ATTR {
-            find_factors(d, invariants, at, factors);
-        });
-        for_each_vector(piece, [&](auto d, std::size_t at) HWY_ATTR {
+        for_row(piece, [&](auto d, std::size_t at)
+                           HWY_ATTR { find_factors(d, invariants, at, factors); });
+        for_row(piece, [&](auto d, std::size_t at) HWY_ATTR {
             take(d, first + at, root(d, load(d, S, first + at), factors, at));
         });
     }
@@ -274,7 +265,7 @@ void multiply_root_rows(const HermitianRows<const float>& S,
 void multiply_rows(const HermitianRows<const float>& X, const std::array<float, 3>& gains,
                    const ComplexRows<const float>& w, const ComplexRows<float>& y,
                    std::size_t count) {
-    for_each_vector(count, [&](auto d, std::size_t n) HWY_ATTR {
+    for_row(count, [&](auto d, std::size_t n) HWY_ATTR {
         multiply(d, load(d, X, n), w, y, n);
         for (std::size_t i = 0; i < 3; ++i)
             for (float* row : {y.re[i] + n, y.im[i] + n})
