@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the periodic layer gives and costs: scores with and without it, independent numbers,
-// bytes and processor time of each part.
+// What structure, the periodic layer and the modulation of bands, gives and costs: scores with
+// and without it and of two rivals that keep the exemplar, independent numbers, bytes and
+// processor time of each part.
 //
-//     structure_bench [--crop N] [--seeds N] [--sizes N,N,…] [-o FOLDER] PICTURE...
+//     structure_bench [--crop N] [--seeds N] [--sizes N,N,…] [--rivals] [-o FOLDER] PICTURE...
 //
 // A picture is a file, of which the N x N pixels at the top left are modelled, or
 // pattern:NAME, made in code (tests/support/patterns.hpp). Materials with a pattern are drawn
-// on the best torus near each size, the others at the first size.
+// on the best torus near each size, the others and the rivals at the first size.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -15,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "baselines/random_phase.hpp"
+#include "baselines/tiling_blending.hpp"
 #include "figures.hpp"
 #include "generated.hpp"
 #include "sateen/analysis/analyse.hpp"
@@ -22,8 +25,10 @@
 #include "sateen/io/executor.hpp"
 #include "sateen/io/image_file.hpp"
 #include "sateen/io/material_file.hpp"
+#include "sateen/material/file.hpp"
 #include "sateen/synthesis/synthesise.hpp"
 #include "sateen/synthesis/torus_size.hpp"
+#include "support/degradations.hpp"
 #include "support/patterns.hpp"
 
 namespace sateen::bench {
@@ -33,6 +38,7 @@ struct Options {
     std::size_t crop = 512;
     std::uint64_t seeds = 4;
     std::vector<std::size_t> sizes = {512, 448, 576};
+    bool rivals = false;
     std::string folder;
     std::vector<std::string> pictures;
 };
@@ -63,21 +69,43 @@ Image picture_of(const std::string& name, std::size_t crop) {
     std::exit(2);
 }
 
-/// Means over seeds and sizes.
+/// What is compared with the picture: means over seeds and sizes.
+struct Scores {
+    std::vector<double> each;
+    TextureCrossCheck cross;
+    std::vector<double> components = std::vector<double>(5);
+
+    /// \param share  of the mean that this one is
+    void add(const TextureReference& reference, const Image& picture, const Image& drawn,
+             double share, Executor& executor) {
+        const TextureScore score = value_or_exit(reference.compare(drawn, executor));
+        each.push_back(score.total);
+        const TextureCrossCheck found = value_or_exit(cross_check(picture, drawn));
+        cross.gradient_kurtosis += share * found.gradient_kurtosis;
+        cross.blob += share * found.blob;
+        cross.patches += share * found.patches;
+        const double parts[] = {score.colour.score, score.power.score,
+                                score.autocovariance.score, score.subbands.score,
+                                score.joint.score};
+        for (std::size_t i = 0; i < 5; ++i) components[i] += share * parts[i];
+    }
+    [[nodiscard]] double mean() const {
+        double sum = 0;
+        for (const double score : each) sum += std::log(score);
+        return std::exp(sum / static_cast<double>(each.size()));
+    }
+};
+
 struct Outcome {
-    bool found = false;
+    bool patterned = false;
+    bool modulated = false;
     std::size_t bytes = 0;
+    std::size_t structure_bytes = 0;  ///< before compression, as is the next
+    std::size_t modulation_bytes = 0;
     double analysis_seconds = 0;
     double drawing_seconds = 0;  ///< of exactly the first size
     double strain = 0;           ///< the largest
-    std::vector<double> scores;
-    TextureCrossCheck cross;
-    std::vector<double> components = std::vector<double>(5);
-    [[nodiscard]] double score() const {
-        double sum = 0;
-        for (const double s : scores) sum += std::log(s);
-        return std::exp(sum / static_cast<double>(scores.size()));
-    }
+    Scores scores;
 };
 
 /// Of a tileable texture.
@@ -102,16 +130,21 @@ Outcome measure(const Image& picture, const std::string& name, bool structure,
     Material material;
     outcome.analysis_seconds = processor_seconds([&] {
         AnalysisOptions analysis;
-        analysis.structure = structure;
+        analysis.structure = analysis.modulation = structure;
         const GeneratedPhotograph photograph(name, picture);
         material =
             value_or_exit(analyse(photograph, analysis, serial, progress)).material;
     });
-    outcome.found = material.structure.has_value();
+    outcome.patterned = material.structure.has_value();
+    outcome.modulated = material.modulation.has_value();
     outcome.bytes = value_or_exit(pack_material(material)).size();
+    for (const PartBytes& part : value_or_exit(material_part_bytes(material))) {
+        if (part.part == "structure") outcome.structure_bytes = part.bytes;
+        if (part.part == "modulation") outcome.modulation_bytes = part.bytes;
+    }
     outcome.drawing_seconds = drawing_seconds(material, options.sizes.front());
     std::vector<std::size_t> sizes = options.sizes;
-    if (!outcome.found) sizes.resize(1);
+    if (!outcome.patterned) sizes.resize(1);
     for (const std::size_t size : sizes) {
         const TorusSize torus = best_torus(material, size, size);
         outcome.strain = std::max(outcome.strain, torus.strain);
@@ -125,17 +158,9 @@ Outcome measure(const Image& picture, const std::string& name, bool structure,
             window.seed = seed;
             const Image drawn =
                 value_or_exit(synthesise(material, 0, window, serial, progress));
-            const TextureScore score = value_or_exit(reference.compare(drawn, executor));
-            outcome.scores.push_back(score.total);
-            const auto share = 1 / static_cast<double>(options.seeds * sizes.size());
-            const TextureCrossCheck cross = value_or_exit(cross_check(picture, drawn));
-            outcome.cross.gradient_kurtosis += share * cross.gradient_kurtosis;
-            outcome.cross.blob += share * cross.blob;
-            outcome.cross.patches += share * cross.patches;
-            const double parts[] = {score.colour.score, score.power.score,
-                                    score.autocovariance.score, score.subbands.score,
-                                    score.joint.score};
-            for (std::size_t i = 0; i < 5; ++i) outcome.components[i] += share * parts[i];
+            outcome.scores.add(reference, picture, drawn,
+                               1 / static_cast<double>(options.seeds * sizes.size()),
+                               executor);
             if (!options.folder.empty() && seed == 1 && size == sizes.front())
                 check_or_exit(write_image(
                     options.folder + "/" + name + (structure ? "" : " none") + ".png",
@@ -145,21 +170,51 @@ Outcome measure(const Image& picture, const std::string& name, bool structure,
     return outcome;
 }
 
-void print(const char* key, const Outcome& outcome) {
+using Baseline = Result<Image> (*)(const Image&, std::size_t, std::size_t, std::uint64_t);
+
+Scores measure_rival(const Image& picture, Baseline baseline, const Options& options,
+                     Executor& executor) {
+    Scores scores;
+    const std::size_t size = options.sizes.front();
+    const auto reference =
+        value_or_exit(TextureReference::create(picture, {size, size}, executor));
+    const Image exemplar = test::encoded(picture);
+    for (std::uint64_t seed = 1; seed <= options.seeds; ++seed)
+        scores.add(
+            reference, picture,
+            test::through_eight_bits(value_or_exit(baseline(exemplar, size, size, seed))),
+            1 / static_cast<double>(options.seeds), executor);
+    return scores;
+}
+
+void print(const Scores& scores) {
     std::printf(
-        ", \"%s\": {\"score\": %.3f, \"bytes\": %zu, \"analysis_s\": %.2f, "
-        "\"drawing_ms\": %.1f, \"strain\": %.4f, \"gradient_kurtosis\": %.3f, "
-        "\"blob\": %.3f, \"patches\": %.4f",
-        key, outcome.score(), outcome.bytes, outcome.analysis_seconds,
-        1e3 * outcome.drawing_seconds, outcome.strain, outcome.cross.gradient_kurtosis,
-        outcome.cross.blob, outcome.cross.patches);
+        "\"score\": %.3f, \"gradient_kurtosis\": %.3f, \"blob\": %.3f, "
+        "\"patches\": %.4f",
+        scores.mean(), scores.cross.gradient_kurtosis, scores.cross.blob,
+        scores.cross.patches);
     const char* names[] = {"colour", "power", "autocovariance", "subbands", "joint"};
     for (std::size_t i = 0; i < 5; ++i)
-        std::printf(", \"%s\": %.2f", names[i], outcome.components[i]);
+        std::printf(", \"%s\": %.2f", names[i], scores.components[i]);
     std::printf(", \"scores\": [");
-    for (std::size_t i = 0; i < outcome.scores.size(); ++i)
-        std::printf("%s%.2f", i == 0 ? "" : ", ", outcome.scores[i]);
+    for (std::size_t i = 0; i < scores.each.size(); ++i)
+        std::printf("%s%.2f", i == 0 ? "" : ", ", scores.each[i]);
     std::printf("]}");
+}
+
+void print(const char* key, const Outcome& outcome) {
+    std::printf(
+        ", \"%s\": {\"bytes\": %zu, \"structure_bytes\": %zu, "
+        "\"modulation_bytes\": %zu, \"analysis_s\": %.2f, \"drawing_ms\": %.1f, "
+        "\"strain\": %.4f, ",
+        key, outcome.bytes, outcome.structure_bytes, outcome.modulation_bytes,
+        outcome.analysis_seconds, 1e3 * outcome.drawing_seconds, outcome.strain);
+    print(outcome.scores);
+}
+
+void print(const char* key, const Scores& scores) {
+    std::printf(", \"%s\": {", key);
+    print(scores);
 }
 
 void run(const Options& options) {
@@ -174,10 +229,20 @@ void run(const Options& options) {
             check_or_exit(write_image(options.folder + "/" + name + " original.png",
                                       image.view(), {}));
         const Outcome with = measure(image, name, true, options, *executor);
-        std::printf("%s\n  {\"texture\": \"%s\", \"found\": %s", separator, name.c_str(),
-                    with.found ? "true" : "false");
+        const auto yes = [](bool value) { return value ? "true" : "false"; };
+        std::printf("%s\n  {\"texture\": \"%s\", \"found\": %s, \"modulated\": %s",
+                    separator, name.c_str(), yes(with.patterned), yes(with.modulated));
         print("auto", with);
-        if (with.found) print("none", measure(image, name, false, options, *executor));
+        if (with.patterned || with.modulated)
+            print("none", measure(image, name, false, options, *executor));
+        if (options.rivals) {
+            print("random phase",
+                  measure_rival(image, baselines::random_phase, options, *executor));
+            if (image.bands() == 3)
+                print(
+                    "tiling and blending",
+                    measure_rival(image, baselines::tiling_blending, options, *executor));
+        }
         std::printf("}");
         std::fflush(stdout);
         separator = ",";
@@ -203,7 +268,9 @@ int main(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
         const bool more = i + 1 < argc;
-        if (argument == "-o" && more)
+        if (argument == "--rivals")
+            options.rivals = true;
+        else if (argument == "-o" && more)
             options.folder = argv[++i];
         else if (argument == "--crop" && more)
             options.crop = std::stoul(argv[++i]);
@@ -217,7 +284,7 @@ int main(int argc, char** argv) {
     if (options.pictures.empty() || options.sizes.empty() || options.seeds == 0) {
         std::fprintf(stderr,
                      "usage: structure_bench [--crop N] [--seeds N] [--sizes N,N,...] "
-                     "[-o FOLDER] PICTURE...\n");
+                     "[--rivals] [-o FOLDER] PICTURE...\n");
         return 2;
     }
     if (!options.folder.empty()) std::filesystem::create_directories(options.folder);

@@ -7,21 +7,16 @@
 #include <limits>
 
 #include "material/schema.hpp"
+#include "support/faults.hpp"
 #include "support/random_material.hpp"
 
 namespace sateen {
 namespace {
 
+using test::packed;
 using test::random_material;
 using testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
-
-Bytes packed(const schema::MaterialT& material) {
-    flatbuffers::FlatBufferBuilder builder;
-    builder.FinishSizePrefixed(schema::Material::Pack(builder, &material),
-                               schema::MaterialIdentifier());
-    return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
-}
 
 Material valid_material() {
     return random_material({.seed = 3,
@@ -138,10 +133,7 @@ TEST(HostilePayload, LargerThanTheLimitIsRefusedUnread) {
     EXPECT_EQ(m.error().code, Errc::limit_exceeded);
 }
 
-struct Alteration {
-    std::string message;  ///< a part of it
-    std::function<void(schema::MaterialT&)> alter;
-};
+using Alteration = test::Alteration<schema::MaterialT>;
 
 void expect_each_is_rejected(const std::vector<Alteration>& alterations) {
     ASSERT_TRUE(read_altered([](auto&) {}));

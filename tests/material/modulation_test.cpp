@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The band modulation of a material: limits, round trip, hostile files.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "material/modulation_file.hpp"
+#include "support/faults.hpp"
 #include "support/random_material.hpp"
 
 namespace sateen {
 namespace {
-
-using ::testing::HasSubstr;
 
 Material modulated() {
     return test::random_material({.seed = 31,
@@ -54,67 +48,45 @@ TEST(HalfOfAFloat, IsWithinHalfAStepAndStaysItself) {
 }
 
 TEST(ValidateModulation, NamesEachFault) {
-    struct Fault {
-        std::string message;
-        std::function<void(Material&)> make;
-    };
-    const std::vector<Fault> faults = {
-        {"modulation, level 1, deviation: 5",
-         [](Material& m) { m.modulation->fields[1].deviation = 5; }},
-        {"modulation, level 0, weights: all 0",
-         [](Material& m) { m.modulation->fields[0].weights = {}; }},
-        {"subspace 1, modulated bands: 11",
-         [](Material& m) { m.subspaces[1].modulation->bands.pop_back(); }},
-        {"subspace 0, modulation units: 2",
-         [](Material& m) { m.subspaces[0].modulation->units.pop_back(); }},
-        {"subspace 0, value scale: -1",
-         [](Material& m) { m.subspaces[0].modulation->bands[3].value_scale = -1; }},
-        {"subspace 0, energy scale: -1",
-         [](Material& m) { m.subspaces[0].modulation->bands[3].energy_scale = -1; }},
-        {"subspace 0, band gain: 65",
-         [](Material& m) { m.subspaces[0].modulation->bands[3].gain = 65; }},
-        {"subspace 0, no modulation",
-         [](Material& m) { m.subspaces[0].modulation.reset(); }},
-        {"subspace 0: a modulation, expected none",
-         [](Material& m) { m.modulation.reset(); }},
-    };
-    ASSERT_TRUE(validate(modulated()));
-    for (const Fault& fault : faults) {
-        Material m = modulated();
-        fault.make(m);
-        const auto valid = validate(m);
-        ASSERT_FALSE(valid) << fault.message;
-        EXPECT_THAT(valid.error().message, HasSubstr(fault.message));
-    }
+    test::expect_each_fault_is_named(
+        modulated(),
+        {
+            {"modulation, level 1, deviation: 5",
+             [](Material& m) { m.modulation->fields[1].deviation = 5; }},
+            {"modulation, level 0, weights: all 0",
+             [](Material& m) { m.modulation->fields[0].weights = {}; }},
+            {"subspace 1, modulated bands: 11",
+             [](Material& m) { m.subspaces[1].modulation->bands.pop_back(); }},
+            {"subspace 0, modulation units: 2",
+             [](Material& m) { m.subspaces[0].modulation->units.pop_back(); }},
+            {"subspace 0, value scale: -1",
+             [](Material& m) { m.subspaces[0].modulation->bands[3].value_scale = -1; }},
+            {"subspace 0, energy scale: -1",
+             [](Material& m) { m.subspaces[0].modulation->bands[3].energy_scale = -1; }},
+            {"subspace 0, band gain: 65",
+             [](Material& m) { m.subspaces[0].modulation->bands[3].gain = 65; }},
+            {"subspace 0, no modulation",
+             [](Material& m) { m.subspaces[0].modulation.reset(); }},
+            {"subspace 0: a modulation, expected none",
+             [](Material& m) { m.modulation.reset(); }},
+        });
 }
 
 TEST(HostileModulation, CountsAndNumbersThatDoNotFitAreRejected) {
-    struct Alteration {
-        std::string message;
-        std::function<void(schema::ModulationT&)> alter;
-    };
-    const std::vector<Alteration> alterations = {
-        {"modulation.field_deviations: 3",
-         [](auto& t) { t.field_deviations.pop_back(); }},
-        {"modulation.field_weights: 101", [](auto& t) { t.field_weights.push_back(1); }},
-        {"modulation.scales: 71", [](auto& t) { t.scales.pop_back(); }},
-        {"modulation.curves: 577", [](auto& t) { t.curves.push_back(0); }},
-        {"modulation.units: 5", [](auto& t) { t.units.pop_back(); }},
-        {"value scale: nan", [](auto& t) { t.scales[0] = 0x7FC0; }},
-        {"band gain: inf", [](auto& t) { t.scales[2] = 0x7F80; }},
-        {"modulation unit: -", [](auto& t) { t.units[0] = 0xBF80; }},
-    };
-    const auto payload = *write_material(modulated());
-    for (const Alteration& alteration : alterations) {
-        const auto tables = schema::UnPackSizePrefixedMaterial(payload.data());
-        alteration.alter(*tables->modulation);
-        flatbuffers::FlatBufferBuilder builder;
-        builder.FinishSizePrefixed(schema::Material::Pack(builder, tables.get()),
-                                   schema::MaterialIdentifier());
-        const auto m = read_material({builder.GetBufferPointer(), builder.GetSize()});
-        ASSERT_FALSE(m) << alteration.message;
-        EXPECT_THAT(m.error().message, HasSubstr(alteration.message));
-    }
+    test::expect_each_is_rejected<schema::ModulationT>(
+        modulated(), &schema::MaterialT::modulation,
+        {
+            {"modulation.field_deviations: 3",
+             [](auto& t) { t.field_deviations.pop_back(); }},
+            {"modulation.field_weights: 101",
+             [](auto& t) { t.field_weights.push_back(1); }},
+            {"modulation.scales: 71", [](auto& t) { t.scales.pop_back(); }},
+            {"modulation.curves: 577", [](auto& t) { t.curves.push_back(0); }},
+            {"modulation.units: 5", [](auto& t) { t.units.pop_back(); }},
+            {"value scale: nan", [](auto& t) { t.scales[0] = 0x7FC0; }},
+            {"band gain: inf", [](auto& t) { t.scales[2] = 0x7F80; }},
+            {"modulation unit: -", [](auto& t) { t.units[0] = 0xBF80; }},
+        });
 }
 
 }  // namespace

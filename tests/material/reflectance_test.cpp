@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "material/schema.hpp"
+#include "support/faults.hpp"
 #include "support/random_material.hpp"
 
 namespace sateen {
@@ -60,45 +61,35 @@ TEST(EncodedAppearance, IsLinearInTheWeightsOfEither) {
 }
 
 TEST(ValidateReflectance, NamesEachFault) {
-    const std::vector<std::pair<std::string, std::function<void(Material&)>>> faults = {
-        {"reflectance, rank: 17", [](auto& m) { m.reflectance->rank = 17; }},
-        {"reflectance, channels: 2 entries, expected 4",
-         [](auto& m) { m.reflectance->channels = 2; }},
-        {"reflectance, base: 23 entries, expected 24",
-         [](auto& m) { m.reflectance->base.pop_back(); }},
-        {"reflectance, lights: 0", [](auto& m) { m.reflectance->lights.clear(); }},
-        {"reflectance, views: 72 entries, expected 48",
-         [](auto& m) { m.reflectance->rank = 2, m.reflectance->lights.resize(8); }},
-        {"reflectance, views: nan",
-         [](auto& m) {
-             m.reflectance->views[7] = std::numeric_limits<float>::quiet_NaN();
-         }},
-        {"reflectance, base: 1001", [](auto& m) { m.reflectance->base[0] = 1001; }},
-        {"reflectance: without views",
-         [](auto& m) { m.index.clear(), m.views.clear(), m.lights.clear(); }},
-    };
-    for (const auto& [message, make] : faults) {
-        Material m = reflecting();
-        make(m);
-        if (m.index.empty())
-            for (Subspace& s : m.subspaces) s.view = s.light = 0;
-        const auto result = validate(m);
-        ASSERT_FALSE(result) << message;
-        EXPECT_THAT(result.error().message, HasSubstr(message));
-        EXPECT_FALSE(write_material(m)) << message;
-    }
-}
-
-std::vector<std::uint8_t> packed(const schema::MaterialT& material) {
-    flatbuffers::FlatBufferBuilder builder;
-    builder.FinishSizePrefixed(schema::Material::Pack(builder, &material),
-                               schema::MaterialIdentifier());
-    return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
+    test::expect_each_fault_is_named(
+        reflecting(),
+        {
+            {"reflectance, rank: 17", [](auto& m) { m.reflectance->rank = 17; }},
+            {"reflectance, channels: 2 entries, expected 4",
+             [](auto& m) { m.reflectance->channels = 2; }},
+            {"reflectance, base: 23 entries, expected 24",
+             [](auto& m) { m.reflectance->base.pop_back(); }},
+            {"reflectance, lights: 0", [](auto& m) { m.reflectance->lights.clear(); }},
+            {"reflectance, views: 72 entries, expected 48",
+             [](auto& m) { m.reflectance->rank = 2, m.reflectance->lights.resize(8); }},
+            {"reflectance, views: nan",
+             [](auto& m) {
+                 m.reflectance->views[7] = std::numeric_limits<float>::quiet_NaN();
+             }},
+            {"reflectance, base: 1001", [](auto& m) { m.reflectance->base[0] = 1001; }},
+            {"reflectance: without views",
+             [](auto& m) {
+                 m.index.clear(), m.views.clear(), m.lights.clear();
+                 for (Subspace& subspace : m.subspaces)
+                     subspace.view = subspace.light = 0;
+             }},
+        });
 }
 
 TEST(HostileReflectance, CountsThatDoNotFitTogetherAreRejected) {
-    const std::vector<std::pair<std::string, std::function<void(schema::ReflectanceT&)>>>
-        alterations = {
+    test::expect_each_is_rejected<schema::ReflectanceT>(
+        reflecting(), &schema::MaterialT::reflectance,
+        {
             {"light_exponents: 17", [](auto& t) { t.light_exponents.resize(17); }},
             {"view_exponents: 2", [](auto& t) { t.view_exponents.pop_back(); }},
             {"base_exponents: 5", [](auto& t) { t.base_exponents.push_back(0); }},
@@ -107,16 +98,7 @@ TEST(HostileReflectance, CountsThatDoNotFitTogetherAreRejected) {
             {"reflectance.views: 0", [](auto& t) { t.views.clear(); }},
             {"reflectance, lights: ", [](auto& t) { t.light_exponents[0] = 127; }},
             {"reflectance, base: ", [](auto& t) { t.base_exponents[3] = 127; }},
-        };
-    const auto payload = write_material(reflecting());
-    ASSERT_TRUE(payload);
-    for (const auto& [message, alter] : alterations) {
-        const auto tables = schema::UnPackSizePrefixedMaterial(payload->data());
-        alter(*tables->reflectance);
-        const auto m = read_material(packed(*tables));
-        ASSERT_FALSE(m) << message;
-        EXPECT_THAT(m.error().message, HasSubstr(message));
-    }
+        });
 }
 
 TEST(HostileReflectance, EveryAlteredByteIsHandled) {

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The structure of a material: order of frequencies, limits, hostile files.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 #include <set>
 
 #include "material/schema.hpp"
+#include "support/faults.hpp"
 #include "support/random_material.hpp"
 
 namespace sateen {
 namespace {
 
 using test::random_material;
-using testing::HasSubstr;
 
 Material structured() {
     return random_material({.seed = 9,
@@ -51,11 +49,6 @@ TEST(HalfPlaneOrder, IsThatOfTheFormat) {
     EXPECT_EQ(half_plane_order(4, 3), expected);
 }
 
-struct Fault {
-    std::string message;
-    std::function<void(Material&)> make;
-};
-
 TEST(ValidateStructure, NamesEachFault) {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     const auto layer = [](Material& m) -> PeriodicLayer& {
@@ -64,47 +57,43 @@ TEST(ValidateStructure, NamesEachFault) {
     const auto cell = [](Material& m) -> PeriodicCell& {
         return m.subspaces[1].structure->cells[2];
     };
-    const std::vector<Fault> faults = {
-        {"lattice vector: nan", [&](Material& m) { layer(m).a[0] = kNan; }},
-        {"lattice vector: 5000", [&](Material& m) { layer(m).b[1] = 5000; }},
-        {"area of the lattice cell: 0", [&](Material& m) { layer(m).b = layer(m).a; }},
-        {"cell rows: 1, expected 2 to 96", [&](Material& m) { layer(m).rows = 1; }},
-        {"cell cols: 97", [&](Material& m) { layer(m).cols = 97; }},
-        {"spacing: 0", [&](Material& m) { layer(m).spacing = 0; }},
-        {"displacement 1, deviation: -1",
-         [&](Material& m) { layer(m).displacement[1].deviation = -1; }},
-        {"displacement 0, weights: all 0",
-         [&](Material& m) { layer(m).displacement[0].weights = {}; }},
-        {"subspace 1, plane 2, cell step", [&](Material& m) { cell(m).step = kNan; }},
-        {"cell: 40 coefficients", [&](Material& m) { cell(m).coefficients.pop_back(); }},
-        {"cell: 2001 coefficients",
-         [&](Material& m) { cell(m).coefficients.resize(2001); }},
-        {"deviation cell: 41 entries, expected 40",
-         [&](Material& m) { cell(m).deviations.push_back(0); }},
-        {"mixing step: nan", [&](Material& m) { cell(m).mixing_step = kNan; }},
-        {"mixing cell: 49 entries, expected 48",
-         [&](Material& m) { cell(m).mixing.push_back(0); }},
-        {"mixing cell: 48 entries, expected 0",
-         [&](Material& m) { cell(m).mixing_step = 0; }},
-        {"curve: 15 entries", [&](Material& m) { cell(m).curve.values.pop_back(); }},
-        {"expected it to rise", [&](Material& m) { cell(m).curve.high = -7; }},
-        {"expected no descent", [&](Material& m) { cell(m).curve.values[3] = 9; }},
-        {"curve: a range without values",
-         [&](Material& m) { cell(m).curve.values.clear(); }},
-        {"subspace 1, cells: 2",
-         [](Material& m) { m.subspaces[1].structure->cells.pop_back(); }},
-        {"subspace 0, no structure",
-         [](Material& m) { m.subspaces[0].structure.reset(); }},
-        {"expected none", [](Material& m) { m.structure.reset(); }},
-    };
-    ASSERT_TRUE(validate(structured()));
-    for (const Fault& fault : faults) {
-        Material m = structured();
-        fault.make(m);
-        const auto result = validate(m);
-        ASSERT_FALSE(result) << fault.message;
-        EXPECT_THAT(result.error().message, HasSubstr(fault.message));
-    }
+    test::expect_each_fault_is_named(
+        structured(),
+        {
+            {"lattice vector: nan", [&](Material& m) { layer(m).a[0] = kNan; }},
+            {"lattice vector: 5000", [&](Material& m) { layer(m).b[1] = 5000; }},
+            {"area of the lattice cell: 0",
+             [&](Material& m) { layer(m).b = layer(m).a; }},
+            {"cell rows: 1, expected 2 to 96", [&](Material& m) { layer(m).rows = 1; }},
+            {"cell cols: 97", [&](Material& m) { layer(m).cols = 97; }},
+            {"spacing: 0", [&](Material& m) { layer(m).spacing = 0; }},
+            {"displacement 1, deviation: -1",
+             [&](Material& m) { layer(m).displacement[1].deviation = -1; }},
+            {"displacement 0, weights: all 0",
+             [&](Material& m) { layer(m).displacement[0].weights = {}; }},
+            {"subspace 1, plane 2, cell step", [&](Material& m) { cell(m).step = kNan; }},
+            {"cell: 40 coefficients",
+             [&](Material& m) { cell(m).coefficients.pop_back(); }},
+            {"cell: 2001 coefficients",
+             [&](Material& m) { cell(m).coefficients.resize(2001); }},
+            {"deviation cell: 41 entries, expected 40",
+             [&](Material& m) { cell(m).deviations.push_back(0); }},
+            {"mixing step: nan", [&](Material& m) { cell(m).mixing_step = kNan; }},
+            {"mixing cell: 49 entries, expected 48",
+             [&](Material& m) { cell(m).mixing.push_back(0); }},
+            {"mixing cell: 48 entries, expected 0",
+             [&](Material& m) { cell(m).mixing_step = 0; }},
+            {"curve: 15 entries", [&](Material& m) { cell(m).curve.values.pop_back(); }},
+            {"expected it to rise", [&](Material& m) { cell(m).curve.high = -7; }},
+            {"expected no descent", [&](Material& m) { cell(m).curve.values[3] = 9; }},
+            {"curve: a range without values",
+             [&](Material& m) { cell(m).curve.values.clear(); }},
+            {"subspace 1, cells: 2",
+             [](Material& m) { m.subspaces[1].structure->cells.pop_back(); }},
+            {"subspace 0, no structure",
+             [](Material& m) { m.subspaces[0].structure.reset(); }},
+            {"expected none", [](Material& m) { m.structure.reset(); }},
+        });
 }
 
 TEST(StructureFile, APlaneWithoutAPatternTakesAFewBytes) {
@@ -143,53 +132,42 @@ TEST(StructureFile, LargeCoefficientsOfEitherSignAreKept) {
 }
 
 TEST(HostileStructure, CountsThatDoNotFitTogetherAreRejected) {
-    struct Alteration {
-        std::string message;
-        std::function<void(schema::StructureT&)> alter;
-    };
-    const std::vector<Alteration> alterations = {
-        {"structure.lattice: 3", [](auto& t) { t.lattice.pop_back(); }},
-        {"structure.cell_rows and cell_cols: 60000",
-         [](auto& t) { t.cell_rows = 60000; }},
-        {"structure.field_deviations: 3",
-         [](auto& t) { t.field_deviations.push_back(1); }},
-        {"structure.field_weights: 49", [](auto& t) { t.field_weights.pop_back(); }},
-        {"structure.steps: 5", [](auto& t) { t.steps.pop_back(); }},
-        {"structure.counts: 7", [](auto& t) { t.counts.push_back(0); }},
-        {"structure.low_bytes: 246 entries, expected at least",
-         [](auto& t) { t.counts[5] = 65535; }},
-        {"structure.high_bytes: 245", [](auto& t) { t.high_bytes.pop_back(); }},
-        {"structure.low_bytes: 247",
-         [](auto& t) { t.high_bytes.push_back(0), t.low_bytes.push_back(0); }},
-        {"structure.deviation_steps: 5", [](auto& t) { t.deviation_steps.pop_back(); }},
-        {"structure.deviations: 239 entries, expected at least 240",
-         [](auto& t) { t.deviations.pop_back(); }},
-        {"structure.deviations: 240 entries, expected 200",
-         [](auto& t) { t.deviation_steps[0] = 0; }},
-        {"structure.mixing_steps: 5", [](auto& t) { t.mixing_steps.pop_back(); }},
-        {"structure.mixing: 143 entries, expected at least 144",
-         [](auto& t) { t.mixing.pop_back(); }},
-        {"structure.mixing: 144 entries, expected 120",
-         [](auto& t) { t.mixing_steps[1] = 0; }},
-        {"structure.mixing: 144 entries, expected 0",
-         [](auto& t) { t.mixing_steps.clear(); }},
-        {"structure.curve_ranges: 11", [](auto& t) { t.curve_ranges.pop_back(); }},
-        {"structure.curve_exponents: 5", [](auto& t) { t.curve_exponents.pop_back(); }},
-        {"structure.curve_values: 95", [](auto& t) { t.curve_values.pop_back(); }},
-        {"structure.curve_values: 97", [](auto& t) { t.curve_values.push_back(0); }},
-        {"curve", [](auto& t) { t.curve_exponents[0] = 127; }},
-    };
-    const auto payload = *write_material(structured());
-    for (const Alteration& alteration : alterations) {
-        const auto tables = schema::UnPackSizePrefixedMaterial(payload.data());
-        alteration.alter(*tables->structure);
-        flatbuffers::FlatBufferBuilder builder;
-        builder.FinishSizePrefixed(schema::Material::Pack(builder, tables.get()),
-                                   schema::MaterialIdentifier());
-        const auto m = read_material({builder.GetBufferPointer(), builder.GetSize()});
-        ASSERT_FALSE(m) << alteration.message;
-        EXPECT_THAT(m.error().message, HasSubstr(alteration.message));
-    }
+    test::expect_each_is_rejected<schema::StructureT>(
+        structured(), &schema::MaterialT::structure,
+        {
+            {"structure.lattice: 3", [](auto& t) { t.lattice.pop_back(); }},
+            {"structure.cell_rows and cell_cols: 60000",
+             [](auto& t) { t.cell_rows = 60000; }},
+            {"structure.field_deviations: 3",
+             [](auto& t) { t.field_deviations.push_back(1); }},
+            {"structure.field_weights: 49", [](auto& t) { t.field_weights.pop_back(); }},
+            {"structure.steps: 5", [](auto& t) { t.steps.pop_back(); }},
+            {"structure.counts: 7", [](auto& t) { t.counts.push_back(0); }},
+            {"structure.low_bytes: 246 entries, expected at least",
+             [](auto& t) { t.counts[5] = 65535; }},
+            {"structure.high_bytes: 245", [](auto& t) { t.high_bytes.pop_back(); }},
+            {"structure.low_bytes: 247",
+             [](auto& t) { t.high_bytes.push_back(0), t.low_bytes.push_back(0); }},
+            {"structure.deviation_steps: 5",
+             [](auto& t) { t.deviation_steps.pop_back(); }},
+            {"structure.deviations: 239 entries, expected at least 240",
+             [](auto& t) { t.deviations.pop_back(); }},
+            {"structure.deviations: 240 entries, expected 200",
+             [](auto& t) { t.deviation_steps[0] = 0; }},
+            {"structure.mixing_steps: 5", [](auto& t) { t.mixing_steps.pop_back(); }},
+            {"structure.mixing: 143 entries, expected at least 144",
+             [](auto& t) { t.mixing.pop_back(); }},
+            {"structure.mixing: 144 entries, expected 120",
+             [](auto& t) { t.mixing_steps[1] = 0; }},
+            {"structure.mixing: 144 entries, expected 0",
+             [](auto& t) { t.mixing_steps.clear(); }},
+            {"structure.curve_ranges: 11", [](auto& t) { t.curve_ranges.pop_back(); }},
+            {"structure.curve_exponents: 5",
+             [](auto& t) { t.curve_exponents.pop_back(); }},
+            {"structure.curve_values: 95", [](auto& t) { t.curve_values.pop_back(); }},
+            {"structure.curve_values: 97", [](auto& t) { t.curve_values.push_back(0); }},
+            {"curve", [](auto& t) { t.curve_exponents[0] = 127; }},
+        });
 }
 
 }  // namespace

@@ -9,35 +9,23 @@
 #include <string>
 
 #include "sateen/material/file.hpp"
+#include "support/faults.hpp"
 #include "support/random_material.hpp"
 
 namespace sateen {
 namespace {
 
+using test::Fault;
 using test::random_material;
 using testing::HasSubstr;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct Fault {
-    std::string message;  ///< a part of it
-    std::function<void(Material&)> make;
-};
-
 void expect_each_fault_is_named(const std::vector<Fault>& faults) {
     const Material valid = random_material(
         {.seed = 7, .subspaces = 4, .levels = 3, .views = 6, .lights = 5});
-    ASSERT_TRUE(validate(valid));
-    for (const Fault& fault : faults) {
-        Material m = valid;
-        fault.make(m);
-        const auto result = validate(m);
-        ASSERT_FALSE(result) << fault.message;
-        EXPECT_EQ(result.error().code, Errc::bad_format);
-        EXPECT_THAT(result.error().message, HasSubstr(fault.message));
-        EXPECT_FALSE(write_material(m)) << "written all the same: " << fault.message;
-    }
+    test::expect_each_fault_is_named(valid, faults);
 }
 
 Car2d& field(Material& m) {
@@ -227,13 +215,7 @@ TEST(Validate, NamesFaultsOfFieldsOfAllPlanes) {
              fields.push_back(fields[0]);
          }},
     };
-    for (const Fault& fault : faults) {
-        Material m = valid;
-        fault.make(m);
-        const auto result = validate(m);
-        ASSERT_FALSE(result) << fault.message;
-        EXPECT_THAT(result.error().message, HasSubstr(fault.message));
-    }
+    test::expect_each_fault_is_named(valid, faults);
 }
 
 TEST(Validate, LetsSimultaneousFieldsLookAnywhereButAtThemselves) {
