@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Corduroy, weaves and knit: ribs and yarns.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -81,6 +82,39 @@ SurfaceMaps paint_yarns(const TubeCanvas& canvas, const Spot& gap, const F& spot
     });
 }
 
+/// How the yarns of a weave are spun.
+struct Yarns {
+    float plies = 2;
+    float turns = 10;            ///< of the plies along the cloth
+    std::array<int, 2> slubs{};  ///< thick places, across and down
+    int fuzz = 90;               ///< cells of the finest grain
+};
+
+/// A point of a yarn.
+struct YarnPoint {
+    float ply = 0;
+    float slub = 0;
+    float fuzz = 0;
+    float tone = 0;  ///< of the whole yarn, -0.5 to 0.5
+    bool warp = false;
+};
+
+/// A weave whose yarns are what `spot(point)` makes of them.
+template <class Crossing, class F>
+SurfaceMaps paint_weave(std::size_t side, std::uint64_t seed, const Weave& weave,
+                        const Yarns& yarns, const Spot& gap, const Crossing& warp_on_top,
+                        const F& spot) {
+    const auto key = [seed](std::uint32_t use) { return NoiseKey{seed, use}; };
+    const TubeCanvas canvas = woven(side, key(1), weave, warp_on_top);
+    return paint_yarns(canvas, gap, [&](float u, float v, const Uppermost& top) {
+        return spot(
+            YarnPoint{plies(top, yarns.plies, yarns.turns),
+                      fractal_noise(key(2), u, v, yarns.slubs[0], yarns.slubs[1], 3),
+                      fractal_noise(key(3), u, v, yarns.fuzz, yarns.fuzz, 2, 0.7F),
+                      uniform(key(4), top.yarn, 0) - 0.5F, top.yarn < weave.threads});
+    });
+}
+
 }  // namespace
 
 SurfaceMaps corduroy(std::size_t side, std::uint64_t seed) {
@@ -114,53 +148,41 @@ SurfaceMaps corduroy(std::size_t side, std::uint64_t seed) {
 }
 
 SurfaceMaps plain_weave(std::size_t side, std::uint64_t seed) {
-    const auto key = [seed](std::uint32_t use) { return NoiseKey{seed, use}; };
     constexpr Weave kWeave{16, 0.50F, 0.55F, 0.42F, 0.50F};
-    const TubeCanvas canvas =
-        woven(side, key(1), kWeave, [](int i, int j) { return (i + j) % 2 == 0; });
-    return paint_yarns(
-        canvas, {.height = -0.035F, .colour = {0.06F, 0.05F, 0.035F}},
-        [&](float u, float v, const Uppermost& top) {
-            const float ply = plies(top, 3, 11);
-            const float slub = fractal_noise(key(2), u, v, 12, 12, 3);
-            const float fuzz = fractal_noise(key(3), u, v, 90, 90, 2, 0.7F);
-            const float tone = uniform(key(4), top.yarn, 0) - 0.5F;
-            const bool warp = top.yarn < kWeave.threads;
+    return paint_weave(
+        side, seed, kWeave, {.plies = 3, .turns = 11, .slubs = {12, 12}, .fuzz = 90},
+        {.height = -0.035F, .colour = {0.06F, 0.05F, 0.035F}},
+        [](int i, int j) { return (i + j) % 2 == 0; },
+        [](const YarnPoint& at) {
             const Colour flax =
-                warp ? Colour{0.56F, 0.48F, 0.345F} : Colour{0.50F, 0.415F, 0.285F};
+                at.warp ? Colour{0.56F, 0.48F, 0.345F} : Colour{0.50F, 0.415F, 0.285F};
             Spot spot;
-            spot.height = 0.0022F * ply + 0.0012F * fuzz + 0.003F * slub;
+            spot.height = 0.0022F * at.ply + 0.0012F * at.fuzz + 0.003F * at.slub;
             spot.colour =
-                scaled(flax, (0.72F + 0.28F * ply) *
-                                 (1 + 0.22F * tone + 0.3F * slub + 0.3F * fuzz));
+                scaled(flax, (0.72F + 0.28F * at.ply) *
+                                 (1 + 0.22F * at.tone + 0.3F * at.slub + 0.3F * at.fuzz));
             spot.roughness = 0.75F;
             return spot;
         });
 }
 
 SurfaceMaps twill(std::size_t side, std::uint64_t seed) {
-    const auto key = [seed](std::uint32_t use) { return NoiseKey{seed, use}; };
     constexpr Weave kWeave{24, 0.54F, 0.6F, 0.55F, 0.46F};
-    const TubeCanvas canvas =
-        woven(side, key(1), kWeave, [](int i, int j) { return (i + j) % 4 != 0; });
-    return paint_yarns(
-        canvas, {.height = -0.03F, .colour = {0.02F, 0.02F, 0.03F}},
-        [&](float u, float v, const Uppermost& top) {
-            const float ply = plies(top, 2, 16);
-            const float slub = fractal_noise(key(2), u, v, 24, 5, 3);
-            const float fuzz = fractal_noise(key(3), u, v, 100, 100, 2, 0.7F);
-            const float tone = uniform(key(4), top.yarn, 0) - 0.5F;
+    return paint_weave(
+        side, seed, kWeave, {.plies = 2, .turns = 16, .slubs = {24, 5}, .fuzz = 100},
+        {.height = -0.03F, .colour = {0.02F, 0.02F, 0.03F}},
+        [](int i, int j) { return (i + j) % 4 != 0; },
+        [](const YarnPoint& at) {
             // Indigo does not reach the core of a yarn: raised parts wear pale.
-            const float worn = std::clamp(
-                0.28F * ply + 0.7F * slub + 0.25F * fuzz - 0.06F + 0.25F * tone, 0.0F,
-                1.0F);
+            const float worn = std::clamp(0.28F * at.ply + 0.7F * at.slub +
+                                              0.25F * at.fuzz - 0.06F + 0.25F * at.tone,
+                                          0.0F, 1.0F);
             const Colour blue =
                 mixed({0.035F, 0.06F, 0.145F}, {0.30F, 0.36F, 0.46F}, worn);
-            const bool warp = top.yarn < kWeave.threads;
             Spot spot;
-            spot.height = 0.0014F * ply + 0.001F * fuzz + 0.002F * slub;
-            spot.colour = scaled(warp ? blue : Colour{0.56F, 0.55F, 0.50F},
-                                 1 + 0.3F * fuzz + 0.15F * tone);
+            spot.height = 0.0014F * at.ply + 0.001F * at.fuzz + 0.002F * at.slub;
+            spot.colour = scaled(at.warp ? blue : Colour{0.56F, 0.55F, 0.50F},
+                                 1 + 0.3F * at.fuzz + 0.15F * at.tone);
             spot.roughness = 0.8F;
             return spot;
         });
