@@ -11,6 +11,7 @@
 #include "generated.hpp"
 #include "sateen/io/executor.hpp"
 #include "sateen/io/open_measurement.hpp"
+#include "support/patterns.hpp"
 
 namespace sateen::bench {
 namespace {
@@ -46,6 +47,18 @@ Figure one_photograph(FieldKind field, bool modulation, const std::string& name,
     options.paper = true;
     figure.details.emplace_back("as_published_s", shortest_analysis(photograph, options));
     return figure;
+}
+
+/// With everything, of a cloth: the lattice is found and the pattern aligned.
+Figure one_pattern(double limit) {
+    const GeneratedPhotograph photograph(
+        "knit", test::photograph_of(test::knit(), 800, 800, 1.5, 0.03, 1));
+    return {"photograph of 800 x 800, with a pattern",
+            shortest_analysis(photograph, {}),
+            "s",
+            limit,
+            Figure::Bound::at_most,
+            {}};
 }
 
 std::unique_ptr<Measurement> open_or_exit(const std::string& path) {
@@ -85,6 +98,7 @@ int main(int argc, char** argv) {
     using sateen::bench::one_photograph;
     figures.push_back(
         one_photograph(FieldKind::automatic, true, ", bands modulated", 3.0));
+    figures.push_back(sateen::bench::one_pattern(3.0));
     figures.push_back(one_photograph(FieldKind::automatic, false, "", 1.0));
     figures.push_back(one_photograph(FieldKind::car2d, false, ", car2d", 1.0));
     figures.push_back(one_photograph(FieldKind::gmrf2d, false, ", gmrf2d", 1.0));

@@ -62,6 +62,8 @@ Image picture_of(const std::string& name, std::size_t crop) {
     auto all = test::patterns();
     all.push_back(test::brick(0.35));
     all.back().name = "bricks";
+    all.push_back(test::pebbles());
+    all.push_back(test::cracks());
     for (const test::Pattern& pattern : all)
         if (kPrefix + pattern.name == name)
             return test::photograph_of(pattern, crop, crop, kBend, kGrain, 1);
@@ -172,18 +174,22 @@ Outcome measure(const Image& picture, const std::string& name, bool structure,
 
 using Baseline = Result<Image> (*)(const Image&, std::size_t, std::size_t, std::uint64_t);
 
-Scores measure_rival(const Image& picture, Baseline baseline, const Options& options,
-                     Executor& executor) {
+/// \param file  for the first, without extension; or empty
+Scores measure_rival(const Image& picture, Baseline baseline, const std::string& file,
+                     const Options& options, Executor& executor) {
     Scores scores;
     const std::size_t size = options.sizes.front();
     const auto reference =
         value_or_exit(TextureReference::create(picture, {size, size}, executor));
     const Image exemplar = test::encoded(picture);
-    for (std::uint64_t seed = 1; seed <= options.seeds; ++seed)
-        scores.add(
-            reference, picture,
-            test::through_eight_bits(value_or_exit(baseline(exemplar, size, size, seed))),
-            1 / static_cast<double>(options.seeds), executor);
+    for (std::uint64_t seed = 1; seed <= options.seeds; ++seed) {
+        const Image drawn =
+            test::through_eight_bits(value_or_exit(baseline(exemplar, size, size, seed)));
+        scores.add(reference, picture, drawn, 1 / static_cast<double>(options.seeds),
+                   executor);
+        if (!file.empty() && seed == 1)
+            check_or_exit(write_image(file + ".png", drawn.view(), {}));
+    }
     return scores;
 }
 
@@ -235,13 +241,15 @@ void run(const Options& options) {
         print("auto", with);
         if (with.patterned || with.modulated)
             print("none", measure(image, name, false, options, *executor));
+        const auto rival = [&](const char* key, Baseline baseline) {
+            const std::string file =
+                options.folder.empty() ? "" : options.folder + "/" + name + " " + key;
+            print(key, measure_rival(image, baseline, file, options, *executor));
+        };
         if (options.rivals) {
-            print("random phase",
-                  measure_rival(image, baselines::random_phase, options, *executor));
+            rival("random phase", baselines::random_phase);
             if (image.bands() == 3)
-                print(
-                    "tiling and blending",
-                    measure_rival(image, baselines::tiling_blending, options, *executor));
+                rival("tiling and blending", baselines::tiling_blending);
         }
         std::printf("}");
         std::fflush(stdout);

@@ -98,6 +98,7 @@ class ModulationEstimate {
         Image drawn = gaussian_;
         if (options_.shared != nullptr) {
             fit.modulation = *options_.shared;
+            leave_alone(fit.modulation.curves);
             for (std::size_t i = 0; i < knots_.size(); ++i)
                 knots_[i] = knots_of(fit.modulation.curves.bands[i]);
             SATEEN_CHECK(calibrate(drawn, fit));
@@ -116,7 +117,16 @@ class ModulationEstimate {
 
   private:
     [[nodiscard]] bool varies(std::size_t plane) const {
-        return marginals_[plane].scale > 0;
+        const bool left = !options_.left_alone.empty() && options_.left_alone[plane];
+        return marginals_[plane].scale > 0 && !left;
+    }
+
+    /// Planes that are not modulated have straight curves, and no gain.
+    void leave_alone(SubspaceModulation& curves) const {
+        for (std::size_t i = 0; i < curves.bands.size(); ++i)
+            if (!varies(i / kLevels)) curves.bands[i] = {};
+        for (std::size_t plane = 0; plane < curves.units.size(); ++plane)
+            if (!varies(plane)) curves.units[plane] = 1;
     }
 
     /// Gaussian fields of the spectra that will be drawn.

@@ -38,6 +38,8 @@ struct ModulationOptions {
     const SharedModulation* shared = nullptr;
     /// The planes are drawn together: what they have in common is no excess.
     bool joint = false;
+    /// Planes that are not modulated; none, or one of each. The first never is one.
+    std::vector<bool> left_alone;
 };
 
 /// \param planes     of one image, (d, rows, cols), accepted FFT sizes

@@ -239,13 +239,31 @@ Result<void> fit_levels(const std::vector<Image>& images, const AnalysisOptions&
     return {};
 }
 
-/// Whether the colours of the residual turn with the place in the cell. Its bands then look
-/// modulated for that reason; to modulate them as well makes saturated specks.
-bool is_mixed(const Subspace& subspace) {
-    return subspace.structure &&
-           std::ranges::any_of(subspace.structure->cells, [](const PeriodicCell& cell) {
-               return cell.mixing_step > 0;
-           });
+/// Planes whose residual turns with the place in the cell. Their bands look modulated for
+/// that reason; to modulate them as well makes saturated specks.
+std::vector<bool> mixed_planes(const Subspace& subspace) {
+    std::vector<bool> mixed(subspace.marginals.size(), false);
+    if (!subspace.structure) return mixed;
+    const auto& cells = subspace.structure->cells;
+    for (std::size_t plane = 0; plane < cells.size(); ++plane)
+        mixed[plane] = cells[plane].mixing_step > 0;
+    return mixed;
+}
+
+/// Of the variance of the residual, what planes have whose colours turn with the place; where
+/// it is more, the amplitudes of the first plane follow the place as well.
+constexpr double kMostMixed = 0.03;
+
+double mixed_share(const Subspace& subspace) {
+    const std::vector<bool> mixed = mixed_planes(subspace);
+    double share = 0;
+    double whole = 0;
+    for (std::size_t plane = 0; plane < mixed.size(); ++plane) {
+        const auto scale = static_cast<double>(subspace.marginals[plane].scale);
+        whole += scale * scale;
+        if (mixed[plane]) share += scale * scale;
+    }
+    return whole > 0 ? share / whole : 0;
 }
 
 /// Modulates the bands of a subspace where they vary enough, or where those of another one
@@ -259,6 +277,7 @@ Result<void> modulate(Image planes, const SharedModulation* known, SubspaceFit& 
     ModulationOptions options;
     options.shared = known;
     options.joint = planes_of(subspace.levels.front().fields.front()) > 1;
+    options.left_alone = mixed_planes(subspace);
     const Image middle =
         middle_window(std::move(planes), fft_size_at_most(std::min(kMostSide, rows)),
                       fft_size_at_most(std::min(kMostSide, cols)));
@@ -371,8 +390,8 @@ Result<SubspaceFit> fit_subspace(std::vector<Image> images,
     SATEEN_CHECK(fit_levels(images, options, fit, executor));
 
     // 4. What Gaussian fields lack: bands whose amplitude varies.
-    if (options.modulation && !options.paper &&
-        (modulation != nullptr || !is_mixed(subspace)))
+    const bool wanted = options.modulation && !options.paper;
+    if (wanted && (modulation != nullptr || mixed_share(subspace) < kMostMixed))
         SATEEN_CHECK(modulate(std::move(images.front()), modulation, fit, executor));
     return fit;
 }

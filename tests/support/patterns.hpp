@@ -168,6 +168,56 @@ inline Pattern hexagons() {
             }};
 }
 
+namespace detail {
+
+/// Cells about points scattered one to a square: how much further away the second nearest is
+/// than the nearest, and a number of the nearest.
+struct ScatteredCell {
+    double edge = 0;  ///< 0 on the border of two cells
+    double number = 0;
+};
+inline ScatteredCell scattered_cell(double row, double col, double spacing) {
+    double nearest = 1e9;
+    double second = 1e9;
+    ScatteredCell cell;
+    const auto i0 = static_cast<std::int64_t>(std::floor(row / spacing));
+    const auto j0 = static_cast<std::int64_t>(std::floor(col / spacing));
+    for (std::int64_t i = i0 - 2; i <= i0 + 2; ++i)
+        for (std::int64_t j = j0 - 2; j <= j0 + 2; ++j) {
+            const double y = (static_cast<double>(i) + hash_unit(i, j, 2)) * spacing;
+            const double x = (static_cast<double>(j) + hash_unit(i, j, 3)) * spacing;
+            const double distance = std::hypot(row - y, col - x);
+            second = std::min(second, std::max(nearest, distance));
+            if (distance >= nearest) continue;
+            nearest = distance;
+            cell.number = hash_unit(i, j, 4);
+        }
+    cell.edge = second - nearest;
+    return cell;
+}
+
+}  // namespace detail
+
+/// Pebbles of many shades in dark gaps: no lattice repeats them.
+inline Pattern pebbles() {
+    return {"pebbles", {}, {}, [](double row, double col) {
+                const auto cell = detail::scattered_cell(row, col, 26);
+                const double inside = detail::step(cell.edge - 3, 1.5);
+                const double shade = 0.35 + 0.55 * cell.number;
+                return detail::mixed({0.13, 0.12, 0.1},
+                                     {0.95 * shade, 0.88 * shade, 0.78 * shade}, inside);
+            }};
+}
+
+/// Cracks in dry ground: no lattice either.
+inline Pattern cracks() {
+    return {"cracks", {}, {}, [](double row, double col) {
+                const auto cell = detail::scattered_cell(row, col, 64);
+                const double inside = detail::step(cell.edge - 2.5, 0.8);
+                return detail::mixed({0.2, 0.16, 0.13}, {0.68, 0.6, 0.5}, inside);
+            }};
+}
+
 inline std::vector<Pattern> patterns() {
     return {brick(), knit(), twill(), houndstooth(), tiles(), corrugation(), hexagons()};
 }
