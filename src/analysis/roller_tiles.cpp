@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -22,6 +22,8 @@ using Plane = BasicImage<double>;
 constexpr std::size_t kEqualBorder = 2;
 // So few of the shifts agree about as well as the best.
 constexpr std::size_t kOneOfShifts = 10;
+// Of Gauss and Seidel, at each spacing.
+constexpr std::size_t kSweeps = 12;
 // Of squares of pixels: nothing is divided by less.
 constexpr double kFlat = 1e-12;
 
@@ -410,8 +412,8 @@ Interchange::Shift Interchange::best_shift() const {
     return {best / lattice_.cols, best % lattice_.cols};
 }
 
-/// Adds the smoothest surface that takes the border to that of the first tile, from which it
-/// hardly differs: Laplace's equation, by successive over-relaxation.
+/// Adds a smooth surface that takes the border to that of the first tile, from which it hardly
+/// differs: Laplace's equation, relaxed on grids of half the spacing in turn.
 void Interchange::equalise_border(Plane& out) const {
     const std::size_t rows = lattice_.rows;
     const std::size_t cols = lattice_.cols;
@@ -419,24 +421,25 @@ void Interchange::equalise_border(Plane& out) const {
         return std::min({r, c, rows - 1 - r, cols - 1 - c}) < kEqualBorder;
     };
     Plane correction(1, rows, cols);
-    double mean = 0;
-    for (std::size_t i = 0; i < out.plane_size(); ++i) {
-        correction.values()[i] = tile_.z.values()[i] - out.values()[i];
-        if (is_border(i / cols, i % cols)) mean += correction.values()[i];
-    }
-    mean /= static_cast<double>(2 * kEqualBorder * (rows + cols - 2 * kEqualBorder));
     for (std::size_t r = 0; r < rows; ++r)
         for (std::size_t c = 0; c < cols; ++c)
-            if (!is_border(r, c)) correction(0, r, c) = mean;
-    const auto side = static_cast<double>(std::max(rows, cols));
-    const double relaxation = 2 / (1 + std::sin(std::numbers::pi / side));
-    for (std::size_t sweep = 0; sweep < 3 * std::max(rows, cols) / 2; ++sweep)
-        for (std::size_t r = kEqualBorder; r + kEqualBorder < rows; ++r)
-            for (std::size_t c = kEqualBorder; c + kEqualBorder < cols; ++c) {
-                double& z = correction(0, r, c);
-                const double around = correction(0, r - 1, c) + correction(0, r + 1, c) +
-                                      correction(0, r, c - 1) + correction(0, r, c + 1);
-                z += relaxation * (around / 4 - z);
+            if (is_border(r, c)) correction(0, r, c) = tile_.z(0, r, c) - out(0, r, c);
+    // Innermost pixels of the border, beyond which nothing is looked for.
+    constexpr std::size_t kFirst = kEqualBorder - 1;
+    const std::size_t last_row = rows - 1 - kFirst;
+    const std::size_t last_col = cols - 1 - kFirst;
+    for (std::size_t step = std::bit_floor(std::max(rows, cols) / 2); step > 0; step /= 2)
+        for (std::size_t sweep = 0; sweep < kSweeps; ++sweep)
+            for (std::size_t r = kFirst + step; r < last_row; r += step) {
+                const std::size_t up = r - step;
+                const std::size_t down = std::min(r + step, last_row);
+                for (std::size_t c = kFirst + step; c < last_col; c += step) {
+                    const std::size_t right = std::min(c + step, last_col);
+                    correction(0, r, c) =
+                        (correction(0, up, c) + correction(0, down, c) +
+                         correction(0, r, c - step) + correction(0, r, right)) /
+                        4;
+                }
             }
     for (std::size_t r = 0; r < rows; ++r)
         for (std::size_t c = 0; c < cols; ++c)
