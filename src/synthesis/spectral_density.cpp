@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 // With static dispatch (WebAssembly) only the compiler's own target is built.
 #ifdef SATEEN_STATIC_DISPATCH
@@ -125,6 +126,12 @@ std::vector<PlaneField> independent_fields(const Material& material,
 
 SpectralDensity::SpectralDensity(const PlaneField& field, std::size_t rows,
                                  std::size_t cols, Executor& executor)
+    : SpectralDensity(field, rows, cols, Coarser::streamed, executor) {}
+
+// Rows of the finest level need each pair of rows of the next one once, in succession, so that
+// these are made when their turn comes and do not leave the cache. What is coarser than that is small.
+SpectralDensity::SpectralDensity(const PlaneField& field, std::size_t rows,
+                                 std::size_t cols, Coarser coarser, Executor& executor)
     : rows_(rows),
       cols_(cols),
       finest_(field.levels.front().fields, field.plane, field.planes, rows_, cols_),
@@ -134,43 +141,78 @@ SpectralDensity::SpectralDensity(const PlaneField& field, std::size_t rows,
     col_gain_ = expansion_gain(cols / 2 + 1, cols_);
     const std::size_t coarse_rows = CoarseAxis(rows).size;
     const std::size_t coarse_cols = CoarseAxis(cols).size;
-    const SpectralDensity coarse(field.coarser(1), coarse_rows, coarse_cols, executor);
+    coarser_.reset(new SpectralDensity(field.coarser(1), coarse_rows, coarse_cols,
+                                       Coarser::held, executor));
+    if (coarser == Coarser::streamed) return;
     coarse_ = Image(coarse_rows, planes_ * planes_, padded_columns(coarse_cols / 2 + 1),
                     uninitialised);
     parallel_for(executor, coarse_rows / 2 + 1, [&](std::size_t m) {
+        const std::size_t mirrored_row = coarser_->mirror(m);
         HermitianRows<float> out{};
         HermitianRows<float> mirrored{};
         for (std::size_t k = 0; k < coarse_.rows(); ++k) {
             out[k] = coarse_.plane(m).row(k);
-            if (coarse.mirror(m) != m)
-                mirrored[k] = coarse_.plane(coarse.mirror(m)).row(k);
+            if (mirrored_row != m) mirrored[k] = coarse_.plane(mirrored_row).row(k);
         }
-        coarse.rows(m, out, mirrored);
+        DensityScratch unused = coarser_->scratch();
+        coarser_->rows(m, out, mirrored, unused);
     });
 }
 
+DensityScratch SpectralDensity::scratch() const {
+    const bool streams = coarser_ && coarse_.empty();
+    return {planes_, cols_.size() / 2 + 1, streams ? coarser_->cols_.size() / 2 + 1 : 0};
+}
+
+SpectralDensity::CoarseRows SpectralDensity::coarse_rows(std::size_t m,
+                                                         DensityScratch& scratch) const {
+    const std::size_t row = CoarseAxis(rows_.size()).index(m);
+    const std::size_t mirrored = coarser_->mirror(row);
+    CoarseRows result{};
+    if (!coarse_.empty()) {
+        for (std::size_t k = 0; k < coarse_.rows(); ++k) {
+            result.direct[k] = coarse_.plane(row).row(k);
+            result.mirrored[k] = coarse_.plane(mirrored).row(k);
+        }
+        return result;
+    }
+    // Of a row and its mirror image always the same one is evaluated, for the same bits.
+    const std::size_t first = std::min(row, mirrored);
+    const bool both = row != mirrored;
+    if (scratch.coarse_row_ != first) {
+        DensityScratch unused(0, 0, 0);
+        coarser_->rows(first, scratch.coarse_,
+                       both ? scratch.coarse_mirrored_ : HermitianRows<float>{}, unused);
+        scratch.coarse_row_ = first;
+    }
+    result.direct = readable(scratch.coarse_);
+    result.mirrored = readable(both ? scratch.coarse_mirrored_ : scratch.coarse_);
+    if (first != row) std::swap(result.direct, result.mirrored);
+    return result;
+}
+
 void SpectralDensity::rows(std::size_t m, const HermitianRows<float>& out,
-                           const HermitianRows<float>& mirrored) const {
-    start_row(m, out);
-    if (mirrored[0] != nullptr) start_row(mirror(m), mirrored);
+                           const HermitianRows<float>& mirrored,
+                           DensityScratch& scratch) const {
+    start_row(m, out, scratch);
+    if (mirrored[0] != nullptr) start_row(mirror(m), mirrored, scratch);
     finest_.add_rows(m, out, mirrored);
 }
 
-void SpectralDensity::start_row(std::size_t m, const HermitianRows<float>& out) const {
+void SpectralDensity::start_row(std::size_t m, const HermitianRows<float>& out,
+                                DensityScratch& scratch) const {
     const std::size_t count = cols_.size() / 2 + 1;
     const std::size_t elements = planes_ * planes_;
     const CoarseAxis axis(cols_.size());
-    for (std::size_t k = 0; k < elements && (coarse_.empty() || axis.step != 1); ++k)
+    for (std::size_t k = 0; k < elements && (!coarser_ || axis.step != 1); ++k)
         std::fill_n(out[k], padded_columns(count), 0.0F);
-    if (coarse_.empty()) return;
-    const std::size_t row = CoarseAxis(rows_.size()).index(m);
-    const auto direct = coarse_.plane(row);
-    const auto mirrored = coarse_.plane(row == 0 ? 0 : coarse_.bands() - row);
+    if (!coarser_) return;
+    const CoarseRows coarse = coarse_rows(m, scratch);
     const auto expand =
         axis.step == 1 ? HWY_DYNAMIC_DISPATCH(expand_row) : &expand_odd_row;
     for (std::size_t k = 0; k < elements; ++k)
-        expand({direct.row(k), mirrored.row(k), k / planes_ > k % planes_ ? -1.0F : 1.0F,
-                axis.size / 2 + 1, axis.size},
+        expand({coarse.direct[k], coarse.mirrored[k],
+                k / planes_ > k % planes_ ? -1.0F : 1.0F, axis.size / 2 + 1, axis.size},
                row_gain_[m], col_gain_.data(), out[k]);
 }
 
@@ -185,11 +227,15 @@ std::vector<std::size_t> rows_in_step(std::size_t rows) {
     return order;
 }
 
-DensityScratch::DensityScratch(std::size_t planes, std::size_t count)
-    : values_(2, planes * planes, padded_columns(count), uninitialised) {
+DensityScratch::DensityScratch(std::size_t planes, std::size_t count,
+                               std::size_t coarse_count)
+    : values_(2, planes * planes, padded_columns(count), uninitialised),
+      coarse_values_(2, planes * planes, padded_columns(coarse_count), uninitialised) {
     for (std::size_t k = 0; k < values_.rows(); ++k) {
         rows_[k] = values_.plane(0).row(k);
         mirrored_[k] = values_.plane(1).row(k);
+        coarse_[k] = coarse_values_.plane(0).row(k);
+        coarse_mirrored_[k] = coarse_values_.plane(1).row(k);
     }
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -49,17 +51,25 @@ struct PlaneField {
 [[nodiscard]] std::vector<PlaneField> independent_fields(const Material& material,
                                                          const Subspace& subspace);
 
-/// Rows of the matrices of d planes, and of their mirror images.
+/// Rows of the matrices of d planes, of their mirror images, and of the coarser level that they
+/// come from.
 class DensityScratch {
   public:
-    DensityScratch(std::size_t planes, std::size_t count);
+    /// \param coarse_count  columns of the coarser level, 0 where none is needed
+    DensityScratch(std::size_t planes, std::size_t count, std::size_t coarse_count);
     [[nodiscard]] const HermitianRows<float>& rows() const { return rows_; }
     [[nodiscard]] const HermitianRows<float>& mirrored() const { return mirrored_; }
 
   private:
+    friend class SpectralDensity;
+    static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
     Image values_;
     HermitianRows<float> rows_{};
     HermitianRows<float> mirrored_{};
+    Image coarse_values_;
+    HermitianRows<float> coarse_{};
+    HermitianRows<float> coarse_mirrored_{};
+    std::size_t coarse_row_ = kNone;
 };
 
 /// The rows 0 … ⌊rows/2⌋ of which the others are mirror images, those that need the same rows
@@ -71,7 +81,7 @@ class DensityScratch {
 ///
 ///     E_k(ω) = S_k(ω) + 4 W²(ω) E_{k+1}(2ω),    W the transfer function of the kernel,
 ///
-/// n = 0 … ⌊cols/2⌋, row by row: the finest level, three quarters of the work, is never
+/// n = 0 … ⌊cols/2⌋, row by row: the two finest levels, 15 parts in 16 of the work, are never
 /// held. Any size; odd ones evaluate the coarser levels at the doubled frequencies.
 class SpectralDensity {
   public:
@@ -79,18 +89,12 @@ class SpectralDensity {
                     Executor& executor);
     SpectralDensity(const SpectralDensity&) = delete;
     SpectralDensity& operator=(const SpectralDensity&) = delete;
+    ~SpectralDensity() = default;
 
     /// The row at -ω1.
     [[nodiscard]] std::size_t mirror(std::size_t m) const {
         return m == 0 ? 0 : rows_.size() - m;
     }
-    /// Rows m and mirror(m).
-    /// \param out       for d planes d² rows of padded_columns(⌊cols/2⌋ + 1), written; element
-    ///                  (i, j) of the matrix E is row d i + j, Re E_ij for i ≤ j, Im E_ji for
-    ///                  i > j
-    /// \param mirrored  as out; null where m is its own mirror image
-    void rows(std::size_t m, const HermitianRows<float>& out,
-              const HermitianRows<float>& mirrored) const;
     /// body(m, E) for every row, in memory that it may change; mirror(m) right after
     /// m = 0 … ⌊rows/2⌋ on the same thread.
     template <class Body>
@@ -98,13 +102,13 @@ class SpectralDensity {
         const std::vector<std::size_t> order = rows_in_step(rows_.size());
         const std::size_t ranges = std::min(order.size(), ranges_of(executor));
         parallel_for(executor, ranges, [&](std::size_t range) {
-            const DensityScratch scratch(planes_, cols_.size() / 2 + 1);
+            DensityScratch scratch = this->scratch();
             for (std::size_t i = range * order.size() / ranges;
                  i < (range + 1) * order.size() / ranges; ++i) {
                 const std::size_t m = order[i];
                 const bool both = mirror(m) != m;
                 rows(m, scratch.rows(),
-                     both ? scratch.mirrored() : HermitianRows<float>{});
+                     both ? scratch.mirrored() : HermitianRows<float>{}, scratch);
                 body(m, scratch.rows());
                 if (both) body(mirror(m), scratch.mirrored());
             }
@@ -112,13 +116,32 @@ class SpectralDensity {
     }
 
   private:
-    void start_row(std::size_t m, const HermitianRows<float>& out) const;
+    enum class Coarser { streamed, held };
+    SpectralDensity(const PlaneField& field, std::size_t rows, std::size_t cols,
+                    Coarser coarser, Executor& executor);
+    [[nodiscard]] DensityScratch scratch() const;
+    /// Rows m and mirror(m).
+    /// \param out       for d planes d² rows of padded_columns(⌊cols/2⌋ + 1), written; element
+    ///                  (i, j) of the matrix E is row d i + j, Re E_ij for i ≤ j, Im E_ji for
+    ///                  i > j
+    /// \param mirrored  as out; null where m is its own mirror image
+    void rows(std::size_t m, const HermitianRows<float>& out,
+              const HermitianRows<float>& mirrored, DensityScratch& scratch) const;
+    struct CoarseRows {
+        HermitianRows<const float> direct;
+        HermitianRows<const float> mirrored;
+    };
+    /// The rows of the coarser level that row m comes from.
+    [[nodiscard]] CoarseRows coarse_rows(std::size_t m, DensityScratch& scratch) const;
+    void start_row(std::size_t m, const HermitianRows<float>& out,
+                   DensityScratch& scratch) const;
 
     Frequencies rows_;
     Frequencies cols_;
     LevelDensity finest_;
     std::size_t planes_;
-    Image coarse_;  ///< E_{k+1}: (its rows, d², its columns); empty where there is none
+    std::unique_ptr<SpectralDensity> coarser_;  ///< E_{k+1}; null where there is none
+    Image coarse_;  ///< its rows, d², its columns, where they are held
     std::vector<float> row_gain_;
     std::vector<float> col_gain_;
 };
