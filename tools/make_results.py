@@ -144,10 +144,13 @@ def program_figures(program, side):
         yield figure(f"program to PNG, peak memory of {size}", round(memory), "MB", 300)
 
 
-def run_all(build, measurement, side):
+def run_all(build, measurement, side, only=()):
+    """All sections, or those of these titles."""
     figures = []
 
     def add(title, command, read):
+        if only and title not in only:
+            return
         program = build / "bench" / command[0]
         if not program.exists():
             say(f"{command[0]} is not built, left out")
@@ -161,10 +164,23 @@ def run_all(build, measurement, side):
     add("Kernels: recursion", ["causal_recursion_bench"], recursion_figures)
     add("Drawing", ["synthesis_bench", side], own_figures)
     add("Modelling", ["analysis_bench", *measurement], own_figures)
-    say("sateen")
-    program = list(program_figures(build / "bin" / "sateen", side))
-    figures.append({"title": "The program", "figures": program})
+    if not only or "The program" in only:
+        say("sateen")
+        program = list(program_figures(build / "bin" / "sateen", side))
+        figures.append({"title": "The program", "figures": program})
     return figures
+
+
+def run_again(results, build, measurement, side, titles):
+    """Puts sections measured now in the place of those of the same titles, with what they are of."""
+    known = {section["title"]: section for section in results["sections"]}
+    for section in run_all(build, measurement, side, titles):
+        facts = build_facts(build)
+        known[section["title"]].update(
+            figures=section["figures"],
+            measured_again=f"Commit {facts['commit']}, {facts['date']}, load "
+            f"{round(os.getloadavg()[0], 1)}.",
+        )
 
 
 # --- pictures ---------------------------------------------------------------------------
@@ -457,7 +473,10 @@ def page(results):
         f"{b['date']}.",
     ]
     for section in results["sections"]:
-        lines += ["", f"## {section['title']}", "", *table(section["figures"])]
+        lines += ["", f"## {section['title']}", ""]
+        if again := section.get("measured_again"):
+            lines += [again, ""]
+        lines += table(section["figures"])
     lines += ["", "## Beside the papers", "", *beside_the_papers(results["sections"])]
     if pictures := results.get("pictures"):
         lines += rival_lines(pictures["rivals"])
@@ -480,6 +499,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "dev")
     parser.add_argument("--measurement", type=pathlib.Path, nargs="+", default=[])
     parser.add_argument("--angular", type=pathlib.Path, nargs=2, default=[])
+    parser.add_argument("--only", nargs="+", default=[], metavar="TITLE", help="sections of timings")
     parser.add_argument("--only-directions", action="store_true", help="keep all other results")
     parser.add_argument("--pictures", type=pathlib.Path, nargs="+", default=[])
     parser.add_argument("--side", type=int, default=32768)
@@ -488,18 +508,21 @@ def main():
     if not arguments.only_write:
         build = arguments.build.resolve()
         measurements = [m.resolve() for m in arguments.measurement]
-        if arguments.only_directions:
+        if arguments.only_directions or arguments.only:
             results = json.loads(RESULTS.read_text())
+            if arguments.only:
+                run_again(results, build, measurements[:1], arguments.side, arguments.only)
         else:
             results = {
                 "machine": machine(),
                 "build": build_facts(build),
                 "sections": run_all(build, measurements[:1], arguments.side),
             }
-        if arguments.pictures and not arguments.only_directions:
+        if arguments.pictures and not arguments.only_directions and not arguments.only:
             pictures = [p.resolve() for p in arguments.pictures]
             results["pictures"] = picture_results(build, pictures)
-        results["directions"] = directions.direction_results(build, measurements, say)
+        if not arguments.only:
+            results["directions"] = directions.direction_results(build, measurements, say)
         if arguments.angular:
             files = [p.resolve() for p in arguments.angular]
             results["angular"] = directions.angular_results(build, *files)
