@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { closeWatched, launch, PATIENCE, pixelsOf, serve, watchedPage } from './browser.mjs';
-import { photographMaterial, ROOT, scratch } from './support.mjs';
+import { photographMaterial, ROOT, scratch, wovenMaterial } from './support.mjs';
 
 const folder = scratch(after);
 let browser;
@@ -14,7 +14,9 @@ let server;
 
 before(async () => {
   const material = photographMaterial(folder);
-  server = await serve((path) => (path === '/example/material.sateen' ? material : join(ROOT, 'viewer', path)));
+  const woven = wovenMaterial(folder);
+  const files = { '/example/material.sateen': material, '/example/woven.sateen': woven };
+  server = await serve((path) => files[path] ?? join(ROOT, 'viewer', path));
   browser = await launch();
 }, { timeout: PATIENCE });
 after(async () => {
@@ -48,5 +50,75 @@ test('the example draws two meshes of the material, and one of three.js, under a
     let change = 0;
     while (change <= 0.3 && Date.now() < until) change = changed(await pixelsOf(page));
     assert.ok(change > 0.3, `the lamp moves, the picture changes by ${change}`);
+    await closeWatched(watched, server.origin);
+  });
+
+/**
+ * In the page: a plane seen from straight in front, 32 x 32 pixels of `texels` texels each. Frames are moved by eighths
+ * of a pixel. Deviation of pixels over frames, and the mean of all: as drawn, without levels, and by 16 x 16 samples a pixel.
+ */
+async function distantPlane([url, texels]) {
+  const { loadMaterial, SateenMaterial } = await import('sateen');
+  const three = await import('three');
+  const [PIXELS, SAMPLES, FRAMES] = [32, 16, 8];
+  const sateen = await SateenMaterial.create(await loadMaterial(url), { texelsPerUv: [PIXELS * texels, PIXELS * texels] });
+  const scene = new three.Scene();
+  const lamp = new three.DirectionalLight(0xffffff, 2);
+  lamp.position.set(1, 1, 2);
+  scene.add(new three.Mesh(new three.PlaneGeometry(4, 4).scale(1, 1, 1), sateen), lamp);
+  const { uv } = scene.children[0].geometry.attributes;
+  for (let i = 0; i < uv.count; ++i) uv.setXY(i, 2 * uv.getX(i), 2 * uv.getY(i));
+  const camera = new three.OrthographicCamera(-1, 1, 1, -1, 0, 10);
+  camera.position.z = 5;
+  const renderer = new three.WebGLRenderer();
+  renderer.outputColorSpace = three.LinearSRGBColorSpace;
+  const frame = (side, shift) => {
+    renderer.setSize(side, side);
+    camera.setViewOffset(side, side, shift, 0, side, side);
+    renderer.render(scene, camera);
+    const gl = renderer.getContext();
+    const data = new Uint8Array(4 * side * side);
+    gl.readPixels(0, 0, side, side, gl.RGBA, gl.UNSIGNED_BYTE, data);
+    return Float64Array.from({ length: side * side }, (_, i) => data[4 * i + 1]);
+  };
+  const frames = () => Array.from({ length: FRAMES }, (_, f) => frame(PIXELS, f / FRAMES));
+  const measure = (list) => {
+    let [variance, mean] = [0, 0];
+    for (let i = 0; i < list[0].length; ++i) {
+      const m = list.reduce((s, f) => s + f[i], 0) / list.length;
+      variance += list.reduce((s, f) => s + (f[i] - m) ** 2, 0) / list.length / list[0].length;
+      mean += m / list[0].length;
+    }
+    return { shimmer: Math.sqrt(variance), mean };
+  };
+  const drawn = measure(frames());
+  const sampled = [];
+  for (let f = 0; f < FRAMES; ++f) {
+    const side = PIXELS * SAMPLES;
+    const fine = frame(side, (f * SAMPLES) / FRAMES);
+    const out = new Float64Array(PIXELS * PIXELS);
+    fine.forEach((x, i) => (out[Math.floor(i / side / SAMPLES) * PIXELS + Math.floor((i % side) / SAMPLES)] += x / SAMPLES ** 2));
+    sampled.push(out);
+  }
+  const ideal = measure(sampled);
+  for (const [name, { value }] of Object.entries(sateen.uniforms))
+    if (/^(basis|cells)/.test(name) && value) {
+      value.minFilter = three.LinearFilter;
+      value.needsUpdate = true;
+    }
+  return { drawn, ideal, without: measure(frames()) };
+}
+
+for (const name of ['material', 'woven'])
+  test(`a distant plane does not shimmer, and keeps its brightness: ${name}`, { timeout: PATIENCE }, async () => {
+    const watched = await watchedPage(browser, { viewport: { width: 200, height: 120 } });
+    await watched.page.goto(`${server.origin}/example/index.html`);
+    await watched.page.waitForFunction(() => document.body.dataset.drawn === 'true');
+    const { drawn, ideal, without } = await watched.page.evaluate(distantPlane, [`${name}.sateen`, 8]);
+    const text = JSON.stringify({ drawn, ideal, without });
+    if (process.env.VERBOSE) console.log(name, text);
+    assert.ok(drawn.shimmer <= 1.5 * ideal.shimmer + 0.5, text);
+    assert.ok(without.shimmer > 2 * drawn.shimmer, `without levels it should shimmer: ${text}`);
+    assert.ok(Math.abs(drawn.mean / ideal.mean - 1) < 0.06, text);
     await closeWatched(watched, server.origin);
   });

@@ -170,6 +170,96 @@ test('works at the size of a phone, in the dark', { timeout: PATIENCE }, async (
   assert.ok(difference(before, await pixels()) > 1, 'the lamp has no effect');
 });
 
+test('a finger turns the object, two move the lamp', { timeout: PATIENCE }, async () => {
+  await watched.context.close();
+  await newPage({ viewport: { width: 320, height: 480 }, hasTouch: true, isMobile: true });
+  await open('?url=photo.sateen');
+  const touch = await watched.context.newCDPSession(page);
+  /** Fingers from one place to another. */
+  const drag = async (from, to) => {
+    const points = (at) => at.map(([x, y], id) => ({ x, y, id }));
+    await touch.send('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: points(from) });
+    for (const share of [0.5, 1])
+      await touch.send('Input.dispatchTouchEvent', {
+        type: 'touchMove',
+        touchPoints: points(from.map(([x, y], i) => [x + share * (to[i][0] - x), y + share * (to[i][1] - y)])),
+      });
+    await touch.send('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+  };
+  const lamp = () => page.getAttribute('#pad', 'aria-valuetext');
+  const first = await pixels();
+  const lampAt = await lamp();
+  await drag([[120, 220]], [[190, 235]]);
+  const turned = await pixels();
+  assert.ok(difference(first, turned) > 1, 'a finger does not turn it');
+  assert.equal(await lamp(), lampAt, 'a finger moves the lamp');
+  await drag([[120, 200], [180, 200]], [[180, 240], [240, 240]]);
+  assert.notEqual(await lamp(), lampAt, 'two fingers do not move the lamp');
+});
+
+test('everything can be reached and used without a mouse', { timeout: PATIENCE }, async () => {
+  await open('?url=measured.sateen');
+  const reached = new Set();
+  for (let i = 0; i < 40; ++i) {
+    await page.keyboard.press('Tab');
+    reached.add(await page.evaluate(() => document.activeElement.id || document.activeElement.name));
+  }
+  for (const control of ['canvas', 'open', 'compare', 'save', 'mode', 'shape', 'mesh', 'pad', 'surroundings', 'scale',
+    'relief', 'exposure', 'tint', 'reset', 'theme'])
+    assert.ok(reached.has(control), `${control} cannot be reached: ${[...reached]}`);
+
+  const first = await pixels();
+  await page.focus('input[name="shape"]:checked');
+  await page.keyboard.press('ArrowRight');
+  const cloth = await pixels();
+  assert.equal(await page.inputValue('input[name="shape"]:checked'), 'cloth');
+  assert.ok(difference(first, cloth) > 1, 'the shape does not change');
+  await page.focus('#exposure');
+  for (let i = 0; i < 10; ++i) await page.keyboard.press('ArrowLeft');
+  const darker = await pixels();
+  assert.ok(mean(colours(cloth)) > mean(colours(darker)) + 1, 'the exposure does not change');
+  await page.focus('#reset');
+  await page.keyboard.press('Enter');
+  assert.ok(difference(darker, await pixels()) > 0.5, 'nothing is reset');
+});
+
+/** A pyramid as an OBJ file, without normals and coordinates, and the same as a glTF with its data inside. */
+const CORNERS = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 1]];
+const FACES = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4], [0, 2, 1], [0, 3, 2]];
+const pyramidObj = () => [...CORNERS.map((v) => `v ${v.join(' ')}`), ...FACES.map((f) => `f ${f.map((i) => i + 1).join(' ')}`)].join('\n');
+function pyramidGltf() {
+  const data = Buffer.concat([
+    Buffer.from(new Float32Array(CORNERS.flat()).buffer), Buffer.from(new Uint16Array(FACES.flat()).buffer)]);
+  return JSON.stringify({
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    buffers: [{ byteLength: data.length, uri: `data:application/octet-stream;base64,${data.toString('base64')}` }],
+    bufferViews: [{ buffer: 0, byteLength: 60 }, { buffer: 0, byteOffset: 60, byteLength: 36 }],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 5, type: 'VEC3', min: [-1, -1, 0], max: [1, 1, 1] },
+      { bufferView: 1, componentType: 5123, count: 18, type: 'SCALAR' }],
+  });
+}
+
+test('takes an own OBJ or glTF, and says what is wrong with a bad one', { timeout: PATIENCE }, async () => {
+  await open('?url=photo.sateen');
+  const sphere = await pixels();
+  const dropText = (name, text) => drop([[name, Buffer.from(text).toString('base64')]]);
+  const shown = () => page.waitForFunction(() => !document.querySelector('input[name="shape"]:checked'));
+  await dropText('pyramid.obj', pyramidObj());
+  await shown();
+  const obj = await pixels();
+  assert.ok(difference(sphere, obj) > 1, 'the OBJ is not shown');
+  assert.ok(deviation(obj) > 2, 'the OBJ has no texture');
+  await page.check('input[value="sphere"]', { force: true });
+  await dropText('pyramid.gltf', pyramidGltf());
+  await shown();
+  const gltf = await pixels();
+  assert.ok(difference(sphere, gltf) > 1 && deviation(gltf) > 2, 'the glTF is not shown');
+  await dropText('broken.gltf', '{"asset":');
+  await page.waitForFunction(() => document.getElementById('message').textContent.startsWith('broken.gltf'));
+});
+
 test('the exported page opens from a disk', { timeout: PATIENCE }, async (t) => {
   if (!existsSync(join(process.env.SATEEN, '../../share/sateen/viewer.html'))) {
     t.skip('the program has no viewer');
@@ -178,9 +268,11 @@ test('the exported page opens from a disk', { timeout: PATIENCE }, async (t) => 
   const path = join(folder, 'whole.html');
   sateen('export', join(folder, 'measured.sateen'), '-o', path);
   assert.ok(readFileSync(path).length <= 1_000_000);
+  await watched.context.setOffline(true);
   await page.goto(pathToFileURL(path).href);
   await page.waitForFunction(() => document.body.dataset.ready === 'true');
   assert.ok(deviation(await pixels()) > 4);
+  assert.deepEqual(watched.requests.filter((url) => /^https?:/.test(url)), []);
 });
 
 test('every control can be named and reached', { timeout: PATIENCE }, async () => {

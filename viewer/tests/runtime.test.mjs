@@ -13,18 +13,20 @@ import {
 
 const folder = scratch(after);
 let Runtime;
+let makeBasis;
+let textureMoments;
 let module;
 let photograph;
 let measured;
 let woven;
 
 before(async () => {
-  const bundle = join(folder, 'runtime.mjs');
   await build({
-    entryPoints: [join(ROOT, 'viewer/src/lib/runtime.ts')],
-    bundle: true, format: 'esm', outfile: bundle, logLevel: 'error',
+    entryPoints: ['runtime', 'basis'].map((name) => join(ROOT, `viewer/src/lib/${name}.ts`)),
+    bundle: true, format: 'esm', outdir: folder, outExtension: { '.js': '.mjs' }, logLevel: 'error',
   });
-  ({ Runtime } = await import(bundle));
+  ({ Runtime } = await import(join(folder, 'runtime.mjs')));
+  ({ makeBasis, textureMoments } = await import(join(folder, 'basis.mjs')));
   module = await WebAssembly.compile(readFileSync(join(ROOT, 'build/wasm/bin/sateen.wasm')));
   photograph = photographMaterial(folder);
   measured = measuredMaterial(folder);
@@ -121,6 +123,53 @@ test('fields are standard normal', async () => {
       assert.ok(Math.abs(mean) < 1e-3 && Math.abs(variance - 1) < 1e-3, `${mean} ${variance}`);
     }
   });
+});
+
+/** All textures of a material on a torus of 64 x 64. */
+function texturesOf(material) {
+  const textures = [];
+  material.draw({ rows: 64, cols: 64 }, (_, texture) => textures.push(texture));
+  return textures;
+}
+
+test('moments of textures are those of the runtime', async () => {
+  const material = (await Runtime.create(module)).load(payloadOf(measured));
+  const found = textureMoments(texturesOf(material), 3);
+  const expected = material.moments(64, 64);
+  for (const part of ['mean', 'shape'])
+    found[part].forEach((x, i) => assert.ok(Math.abs(x - expected[part][i]) < 2e-3 * (1 + Math.abs(x)), `${part} ${i}: ${x}`));
+});
+
+test('the components give the textures back', async () => {
+  for (const path of [photograph, measured, woven]) {
+    const material = (await Runtime.create(module)).load(payloadOf(path));
+    const textures = texturesOf(material);
+    const basis = makeBasis(textures, 3, { rows: 64, cols: 64 });
+    assert.ok(basis.left <= 0.02, `${path}: ${basis.left}`);
+    const count = 4 * basis.groups.length;
+    let [squares, most] = [0, 0];
+    textures.forEach((texture, k) => {
+      for (let c = 0; c < 3; ++c) {
+        const mean = basis.moments.mean[4 * k + c];
+        const rows = basis.coefficients.subarray((3 * k + c) * count, (3 * k + c + 1) * count);
+        for (let i = 0; i < 4096; ++i) {
+          let x = mean;
+          for (let r = 0; r < count; ++r) {
+            const t = basis.groups[r >> 2].levels[0][4 * i + (r & 3)] / 255;
+            x += rows[r] * (Math.exp(basis.exponent[r] * t) + basis.offset[r]);
+          }
+          const off = Math.abs(x - texture[c * 4096 + i]) / mean;
+          squares += off * off;
+          most = Math.max(most, off);
+        }
+      }
+    });
+    const off = Math.sqrt(squares / (textures.length * 3 * 4096));
+    assert.ok(off < 0.03 && most < 0.3, `${path}: off by ${off}, at most ${most}`);
+    // The coarsest level is the mean: φ = 0.
+    for (let r = 0; r < Math.min(count, 3); ++r)
+      assert.ok(Math.abs(basis.groups[0].levels.at(-1)[r] / 255 - basis.farMiddle[r]) < 0.01);
+  }
 });
 
 test('drawing stops when it is told to, and an impossible size is refused', async () => {

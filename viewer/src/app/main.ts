@@ -66,7 +66,7 @@ async function open(source: string | Blob | Uint8Array, name: string, compare = 
   try {
     loaded = await loadMaterial(source);
     const material = await SateenMaterial.create(loaded, {
-      tile: TILE, repeat: REFERENCE !== null, onProgress: showProgress, signal,
+      tile: TILE, repeat: REFERENCE !== null, anisotropy: stage.anisotropy, onProgress: showProgress, signal,
     });
     const next = { name: loaded.description.name || name, bytes: loaded.bytes, material };
     const slot = compare ? 'other' : 'main';

@@ -75,6 +75,14 @@ export class Stage {
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
+  /** What fetches may take along slanted pixels: renderers in software are slow at it. */
+  get anisotropy(): number {
+    const gl = this.renderer.getContext();
+    const names = gl.getExtension('WEBGL_debug_renderer_info');
+    const name = String(names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : '');
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name) ? 1 : 8;
+  }
+
   resetView(): void {
     const flat = this.shape === 'plane';
     this.camera.position.set(0, flat ? 0 : 0.55, 1).normalize().multiplyScalar(this.distance());

@@ -2,7 +2,7 @@
 // A material in the browser: loaded from an address or bytes, drawn in a worker.
 import { unpack } from './payload';
 import { type DrawOptions, type MaterialData, SateenError } from './runtime';
-import type { Drawn, Reply, Request } from './worker';
+import type { Drawn, Reply, Request, Torus } from './worker';
 import SateenWorker from './worker?worker&inline';
 import wasmBase64 from './wasm';
 
@@ -56,28 +56,19 @@ export class Material {
     }, signal);
   }
 
-  /** Draws the range map as a torus: heights in pixels, (rows, cols). */
-  async drawRange(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Float32Array> {
-    return (await this.ask({ kind: 'range', rows, cols, seed }, undefined, signal)) as Drawn['range'];
+  /** The textures of all subspaces on a torus as sums of a few components. */
+  async basis(torus: Torus, onProgress?: (share: number) => void, signal?: AbortSignal): Promise<Drawn['basis']> {
+    return (await this.ask({ kind: 'basis', ...torus }, undefined, signal, onProgress)) as Drawn['basis'];
   }
 
-  /** The displacement of the pattern on a torus. */
-  async drawPhase(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Drawn['phase']> {
-    return (await this.ask({ kind: 'phase', rows, cols, seed }, undefined, signal)) as Drawn['phase'];
-  }
-
-  /** The cells of the pattern of every subspace: LoadedMaterial.pattern(). */
-  async patterns(signal?: AbortSignal): Promise<Drawn['patterns']> {
-    return (await this.ask({ kind: 'patterns' }, undefined, signal)) as Drawn['patterns'];
-  }
-
-  /** Moments of the textures of all subspaces on a torus. */
-  async moments(rows: number, cols: number, seed = 0n, signal?: AbortSignal): Promise<Drawn['moments']> {
-    return (await this.ask({ kind: 'moments', rows, cols, seed }, undefined, signal)) as Drawn['moments'];
+  /** The range map on a torus, heights in pixels, (rows, cols). */
+  async range(torus: Torus, signal?: AbortSignal): Promise<Float32Array> {
+    return (await this.ask({ kind: 'range', ...torus }, undefined, signal)) as Float32Array;
   }
 
   private async ask(
     request: Request, take?: (subspace: number, texture: Float32Array) => void, signal?: AbortSignal,
+    onProgress?: (share: number) => void,
   ): Promise<unknown> {
     signal?.throwIfAborted();
     const worker = (this.worker ??= (await start(this.payload)).worker);
@@ -89,6 +80,7 @@ export class Material {
     signal?.addEventListener('abort', stop, { once: true });
     worker.onmessage = ({ data }: MessageEvent<Reply>) => {
       if (data.kind === 'texture') take?.(data.subspace, data.texture);
+      else if (data.kind === 'progress') onProgress?.(data.share);
       else if (data.kind === 'drawn') resolve(data.result);
       else if (data.kind === 'failed') reject(new SateenError(data.message));
     };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The range map as textures for sateen.glsl: synthesis/evaluate_relief.cpp.
 import {
-  DataTexture, DataUtils, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat,
+  DataTexture, DataUtils, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, LinearMipmapNearestFilter,
+  type MinificationTextureFilter, RepeatWrapping, RGBAFormat,
 } from 'three';
 
 /** Nodes along the map of lights, (x, y) / (1 + z) from -1 to 1: Evaluator::kMomentSide. */
@@ -13,14 +14,20 @@ const NORMALS = 4096;
 export class ReliefTextures {
   /** N and height, (rows, cols). */
   readonly surface: DataTexture;
-  /** Means over the surface of s = max(0, N·l), s² and √s. */
+  /** The same for a search along a ray. */
+  readonly heights: DataTexture;
+  /** E s of s = max(0, N·l), C_s, h_s over the surface: shading_moments() of sateen.glsl. */
   readonly moments: DataTexture;
   readonly range: [number, number] = [Infinity, -Infinity];
   private readonly normals: Float32Array;
 
   constructor(heights: Float32Array, readonly rows: number, readonly cols: number) {
-    const data = new Uint16Array(4 * rows * cols);
-    const half = DataUtils.toHalfFloat;
+    const data = new Uint8Array(4 * rows * cols);
+    for (const z of heights) {
+      if (z < this.range[0]) this.range[0] = z;
+      if (z > this.range[1]) this.range[1] = z;
+    }
+    const scale = 255 / Math.max(this.range[1] - this.range[0], 1e-6);
     const every = Math.max(1, Math.floor((rows * cols) / NORMALS));
     const sampled: number[] = [];
     for (let r = 0; r < rows; ++r) {
@@ -32,22 +39,17 @@ export class ReliefTextures {
         const p = (heights[r * cols + ((c + 1) % cols)]! - heights[r * cols + ((c + cols - 1) % cols)]!) / 2;
         const q = (heights[up + c]! - heights[down + c]!) / 2;
         const unit = 1 / Math.sqrt(1 + p * p + q * q);
-        data[4 * i] = half(-p * unit);
-        data[4 * i + 1] = half(-q * unit);
-        data[4 * i + 2] = half(unit);
-        data[4 * i + 3] = half(z);
+        // 127 is 0, so that a flat surface has its normal upright.
+        data[4 * i] = 127.5 - 127 * p * unit;
+        data[4 * i + 1] = 127.5 - 127 * q * unit;
+        data[4 * i + 2] = 127.5 + 127 * unit;
+        data[4 * i + 3] = (z - this.range[0]) * scale + 0.5;
         if (i % every === 0) sampled.push(-p * unit, -q * unit, unit);
-        if (z < this.range[0]) this.range[0] = z;
-        if (z > this.range[1]) this.range[1] = z;
       }
     }
     this.normals = Float32Array.from(sampled);
-    this.surface = new DataTexture(data, cols, rows, RGBAFormat, HalfFloatType);
-    this.surface.wrapS = this.surface.wrapT = RepeatWrapping;
-    this.surface.magFilter = LinearFilter;
-    this.surface.minFilter = LinearMipmapLinearFilter;
-    this.surface.generateMipmaps = true;
-    this.surface.needsUpdate = true;
+    this.surface = finish(new DataTexture(data, cols, rows, RGBAFormat));
+    this.heights = finish(new DataTexture(data, cols, rows, RGBAFormat), LinearMipmapNearestFilter);
     this.moments = new DataTexture(
       new Uint16Array(4 * MOMENT_SIDE * MOMENT_SIDE), MOMENT_SIDE, MOMENT_SIDE, RGBAFormat, HalfFloatType);
     this.moments.magFilter = this.moments.minFilter = LinearFilter;
@@ -79,15 +81,25 @@ export class ReliefTextures {
           roots += Math.sqrt(shading);
         }
         const at = 4 * (row * MOMENT_SIDE + col);
-        texels[at] = DataUtils.toHalfFloat((3 * sum) / n.length);
-        texels[at + 1] = DataUtils.toHalfFloat((3 * squares) / n.length);
-        texels[at + 2] = DataUtils.toHalfFloat((3 * roots) / n.length);
+        const count = n.length / 3;
+        const mean = Math.max(sum / count, 1e-4);
+        texels[at] = DataUtils.toHalfFloat(mean);
+        texels[at + 1] = DataUtils.toHalfFloat(Math.log(Math.max(1, squares / count / (mean * mean))));
+        texels[at + 2] = DataUtils.toHalfFloat(Math.max(0, -8 * Math.log(Math.max(roots / count, 1e-4) / Math.sqrt(mean))));
       }
     this.moments.needsUpdate = true;
   }
 
   dispose(): void {
-    this.surface.dispose();
-    this.moments.dispose();
+    for (const texture of [this.surface, this.heights, this.moments]) texture.dispose();
   }
+}
+
+function finish(texture: DataTexture, filter: MinificationTextureFilter = LinearMipmapLinearFilter): DataTexture {
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  texture.magFilter = LinearFilter;
+  texture.minFilter = filter;
+  texture.generateMipmaps = true;
+  texture.needsUpdate = true;
+  return texture;
 }

@@ -1,38 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 // The evaluation of a material on the GPU (WebGL 2). Names are those of the C++ and of
-// docs/theory/evaluation.md, the reference: g, q, T, mean, tone (synthesis/appearance.cpp);
-// blend, fade, target, amplify, power (synthesis/interpolate.cpp); displaced, s (evaluate.cpp).
+// docs/theory/evaluation.md, the reference: blend, fade, target, amplify, power, shape
+// (synthesis/interpolate.cpp); displaced, s (evaluate.cpp).
 // What a pixel costs: docs/theory/viewer_shader.md.
 //
-//     radiance = Σ_lights E/π max(0, offset + gain (x s)^power),   x = Σ_k w_k v_k(u)
+//     radiance = Σ_lights E/π max(0, offset + gain (x s)^power),   x = mean + Σ_r B_r φ_r(u)
 //
 // with barycentric weights w of subspaces in the triangles of measured directions [CAR2 §III],
-// the texture v_k of each, and the shading s of the surface.
+// mean = Σ_k w_k mean_k and B = Σ_k w_k B_k of the textures, which are sums of the same few
+// components φ (basis.ts), and the shading s of the surface.
 //
-// Renderers in software run both sides of an `if` and are slow at arrays that are indexed by
-// numbers of a pixel: what skips work is a loop, and weights are kept in vectors.
+// Renderers in software run both sides of an `if` and are slow at derivatives of coordinates:
+// what skips work is a loop, and every level of detail is told.
 
 precision highp float;
 precision highp int;
-precision highp sampler2DArray;
 precision highp usampler2D;
 
-uniform sampler2DArray fields;  // layer k: g of every plane, toroidal, (g + G) / 2G
-uniform sampler2D curves;       // rows (k, level): q(g) of every plane
-uniform sampler2D hidden;       // column k, row level: variance of each band that the level hides,
-                                // and the share of the luminance's variance that it keeps
+uniform sampler2D basis0;       // t of components 0 to 3, toroidal; then of 4 to 7, 8 to 11
+uniform sampler2D basis1;
+uniform sampler2D basis2;
+uniform vec4 exponent[GROUPS];  // φ = S ψ, ψ = exp(exponent t) + offset
+uniform vec4 offset[GROUPS];
+uniform vec4 S_[GROUPS];
+uniform sampler2D kept;         // column level: what of the variance of each group it keeps, and in w
+                                // of the luminance's
+uniform vec4 middle[GROUPS];    // mean of t in level 0 …
+uniform vec4 farMiddle[GROUPS]; // … and where nothing of the variance is left
+uniform sampler2D subspaces;    // row k; columns: S B of red, green, blue of each group, then mean
+                                // and shape of TextureMoments
+uniform sampler2D skies;        // row v: mean colour of view v under light from everywhere
+uniform vec4 skyRows[3 * GROUPS]; // S B of each group under it in means of red, green, blue
 uniform usampler2D viewCells;   // triangulated views: core/direction_mesh.hpp
-uniform usampler2D lightCells;  // the same of lights, then (z, ∛z) of every light
-uniform usampler2D pairs;       // e of every pair and its subspace, lights outermost
-uniform sampler2D surface;      // unit normal N, height h in texels; a torus
-uniform sampler2D moments;      // means of s = max(0, N·l), s², √s over the surface, by l
-uniform sampler2DArray cells;   // layers 3k, 3k + 1, 3k + 2: m, s and l of the pattern
-uniform sampler2D phase;        // B⁻¹ D, toroidal like the fields
-uniform sampler2D toneCurves;   // rows (k, level): c of every plane of the pattern
-uniform vec4 subspaces[SUBSPACES * SUBSPACE_ROWS];
-uniform vec4 latticeInverse;    // B⁻¹ by rows
+uniform usampler2D lightCells;  // the same of lights
+uniform sampler2D pairs;        // of every pair, lights outermost: e of the bands; in w bytes of a whole
+                                // number, subspace, ∛z of the light, e of the contrast
+uniform float contrastScale;    // of the latter
+uniform sampler2D surface;      // (N + 1) / 2 of the unit normal, height from smallest to largest; a torus
+uniform sampler2D heights;      // the same with the nearest level alone
+uniform sampler2D moments;      // by l, over the surface: E s of s = max(0, N·l), C_s, h_s
+uniform sampler2D cells0;       // mean of t of the components by the pattern's phase
+uniform sampler2D cells1;
+uniform sampler2D cells2;
+uniform sampler2D phase;        // B⁻¹ D of the pattern, toroidal like the components
+uniform vec4 latticeInverse;    // B⁻¹ by rows, (row, column) to phases
+uniform vec4 lattice;           // B by rows, phases to (s, t) of the torus
+uniform vec4 warp;              // by rows: a torus that the lattice closes on is stretched back
+uniform float cellLevel;        // level of a cell's table less that of the texture
 uniform vec2 surfaceSize;       // of its torus, in texels
-uniform vec2 fieldSize;         // of the torus of fields, in texels
+uniform vec2 fieldSize;         // of the torus of components, in texels
 uniform vec2 texelsPerUv;
 uniform vec2 heightRange;       // smallest and largest height, in texels
 uniform float relief;           // scale of heights; 0 switches relief off
@@ -41,6 +57,15 @@ uniform vec3 tint;
 uniform float exposure;
 uniform int viewMode;           // VIEW_*
 uniform vec3 palette[SUBSPACES];
+
+// Loops over arrays are written out: renderers in software are slow at any index but a constant.
+#if GROUPS == 1
+#define EACH_GROUP(f) f(0)
+#elif GROUPS == 2
+#define EACH_GROUP(f) f(0) f(1)
+#else
+#define EACH_GROUP(f) f(0) f(1) f(2)
+#endif
 
 varying vec2 vUv;
 varying vec3 vNormal;
@@ -51,17 +76,7 @@ const int VIEW_SMOOTH = 1;
 const int VIEW_RELIEF = 2;
 const int VIEW_INDEX = 3;
 
-const float G = 4.2;            // g runs from -G to G …
-const float G_NODES = 85.0;     // … in nodes 0.1 apart, which all knots of a marginal are
 const vec3 LUMINANCE = vec3(0.2126390059, 0.7151686788, 0.0721923154);
-
-// Rows of each in `subspaces`; the first three are T.
-const int ROW_MEAN = 3;         // of the transform; tone in w
-const int ROW_TEXTURE = 4;      // mean of the texture
-const int ROW_COVARIANCE = 5;   // F: covariance of luminances j and k is F_j · F_k
-const int ROW_SHAPE = 6;        // TextureMoments::shape
-const int ROW_LOW = 7;          // of the tone curves: first abscissa of each plane
-const int ROW_SCALE = 8;        // and 1 over their length
 
 // ---------------------------------------------------------------- directions
 
@@ -71,7 +86,7 @@ struct Corners {
 };
 
 uvec4 in_list(usampler2D list, int at) {
-    return texelFetch(list, ivec2(at % LIST_COLS, at / LIST_COLS), 0);
+    return texelFetch(list, ivec2(at & (LIST_COLS - 1), at >> LIST_SHIFT), 0);
 }
 
 // DirectionMesh::interpolate: the square of the stereographic map (x, y) / (1 + z) that d is in
@@ -99,21 +114,40 @@ Corners corners_of(usampler2D mesh, vec3 d) {
     return Corners(ivec3(uvec3(a.w, b.w, c.w) & 0x7FFFu), sum > 0.0 ? s / sum : vec3(1.0, 0.0, 0.0));
 }
 
-// ---------------------------------------------------------------- fields without repetition
+// ---------------------------------------------------------------- components without repetition
 
 // Three tiles with shifts by hash overlap at every place of a triangular grid. Their sum,
 // weighted by w with the variance kept, is a Gaussian field again [Heitz & Neyret 2018]:
-//     g = Σ w_i g_i / √(Σ w_i²)
+//     g = ḡ + Σ w_i (g_i - ḡ),   Σ w_i² = 1
+// The largest weight comes first; near a vertex the others are 0, and not read.
 struct Tiles {
     vec2 at0, at1, at2;
     vec3 w;
 };
 
-vec2 tile_shift(ivec2 vertex) {
+uvec2 tile_hash(ivec2 vertex) {
     uvec2 v = uvec2(vertex) * uvec2(0x9E3779B9u, 0x85EBCA6Bu);
     uint h = v.x ^ (v.y + (v.x << 6) + (v.x >> 2));
     h ^= h >> 16; h *= 0x7FEB352Du; h ^= h >> 15; h *= 0x846CA68Bu; h ^= h >> 16;
-    return vec2(h & 0xFFFFu, h >> 16) / 65536.0;
+    return uvec2(h & 0xFFFFu, h >> 16);
+}
+
+// Anywhere on the torus; of a pattern, by whole cells.
+vec2 tile_shift(ivec2 vertex) {
+    uvec2 h = tile_hash(vertex);
+#ifdef PATTERN
+    vec2 cell = vec2(h & 31u);
+    return fract(vec2(dot(lattice.xy, cell), dot(lattice.zw, cell)));
+#else
+    return vec2(h) / 65536.0;
+#endif
+}
+
+void order(inout float w0, inout float w1, inout ivec2 a, inout ivec2 b) {
+    if (w0 < w1) {
+        float w = w0; w0 = w1; w1 = w;
+        ivec2 v = a; a = b; b = v;
+    }
 }
 
 Tiles tiles_at(vec2 st) {
@@ -123,18 +157,20 @@ Tiles tiles_at(vec2 st) {
     t.w = vec3(1.0, 0.0, 0.0);
 #else
     const float EDGES = 1.5;  // of the grid along a tile: longer waves than its edge are lost
+    const float ALONE = 0.25; // the weight from which a tile counts
     vec2 skewed = mat2(1.0, 0.0, -0.57735027, 1.15470054) * (st * EDGES);
     ivec2 base = ivec2(floor(skewed));
     vec3 f = vec3(fract(skewed), 0.0);
     f.z = 1.0 - f.x - f.y;
-    ivec2 a, b, c;
-    if (f.z > 0.0) {
-        t.w = vec3(f.z, f.y, f.x);
-        a = base; b = base + ivec2(0, 1); c = base + ivec2(1, 0);
-    } else {
-        t.w = vec3(-f.z, 1.0 - f.y, 1.0 - f.x);
-        a = base + 1; b = base + ivec2(1, 0); c = base + ivec2(0, 1);
-    }
+    bool upper = f.z <= 0.0;
+    ivec2 a = upper ? base + 1 : base;
+    ivec2 b = base + (upper ? ivec2(1, 0) : ivec2(0, 1));
+    ivec2 c = base + (upper ? ivec2(0, 1) : ivec2(1, 0));
+    t.w = upper ? vec3(-f.z, 1.0 - f.y, 1.0 - f.x) : f.zyx;
+    order(t.w.x, t.w.y, a, b);
+    order(t.w.x, t.w.z, a, c);
+    order(t.w.y, t.w.z, b, c);
+    t.w = max(t.w - ALONE, 0.0);
     t.w /= length(t.w);
     t.at0 = st + tile_shift(a);
     t.at1 = st + tile_shift(b);
@@ -143,83 +179,93 @@ Tiles tiles_at(vec2 st) {
     return t;
 }
 
-vec3 field_at(Tiles t, int k, vec2 dx, vec2 dy) {
-    float layer = float(k);
-    vec3 g = t.w.x * (textureGrad(fields, vec3(t.at0, layer), dx, dy).xyz * 2.0 - 1.0);
-#ifndef REPEAT
-    g += t.w.y * (textureGrad(fields, vec3(t.at1, layer), dx, dy).xyz * 2.0 - 1.0);
-    g += t.w.z * (textureGrad(fields, vec3(t.at2, layer), dx, dy).xyz * 2.0 - 1.0);
-#endif
-    return g * G;
-}
-
 #ifdef PATTERN
-// u(x) = B⁻¹ (x + D(x)): D is a Gaussian field as well, and blended with the others.
-vec2 phase_at(vec2 texel, Tiles t, vec2 dx, vec2 dy) {
-    vec2 shift = t.w.x * textureGrad(phase, t.at0, dx, dy).xy;
+// u(x) = B⁻¹ (x + D(x)): D is a Gaussian field as well, and blended with the others. Each tile is
+// then read where it has this phase.
+vec2 align_phases(vec2 texel, inout Tiles t, float level) {
+    vec2 d0 = textureLod(phase, t.at0, level).xy;
+    vec2 shift = d0;
 #ifndef REPEAT
-    shift += t.w.y * textureGrad(phase, t.at1, dx, dy).xy;
-    shift += t.w.z * textureGrad(phase, t.at2, dx, dy).xy;
+    vec2 d1 = textureLod(phase, t.at1, level).xy;
+    vec2 d2 = textureLod(phase, t.at2, level).xy;
+    shift = t.w.x * d0 + t.w.y * d1 + t.w.z * d2;
+    mat2 B = mat2(lattice.xz, lattice.yw);
+    t.at0 += B * (shift - d0);
+    t.at1 += B * (shift - d1);
+    t.at2 += B * (shift - d2);
 #endif
     vec2 x = texel.yx - 0.5;  // (row, column); pixels are whole numbers there
     return vec2(dot(latticeInverse.xy, x), dot(latticeInverse.zw, x)) + shift;
 }
 #endif
 
-// ---------------------------------------------------------------- appearance
-
-// srgb_decode, and ½ of its second derivative.
-vec3 decode(vec3 code) {
-    return mix(code / 12.92, pow((code + 0.055) / 1.055, vec3(2.4)), step(0.04045, code));
-}
-vec3 half_curvature(vec3 code) {
-    return step(0.04045, code) * (0.5 * 2.4 * 1.4 / (1.055 * 1.055)) * pow((max(code, 0.0) + 0.055) / 1.055, vec3(0.4));
-}
-
-// The place that a pixel sees, in the fields, and in the cell of a pattern.
-struct Place {
-    Tiles tiles;
-    vec2 dx, dy;    // of the fields' coordinates
-    float level;
-    vec2 u;
-    vec2 udx, udy;
+// ψ of all components at a place.
+struct Components {
+    vec4 c[GROUPS];
+    float kept;     // of the luminance's variance
 };
-Place place;
 
-// A curve of each plane at places x from 0 to 1, where a texture has them as nodes of its rows.
-vec3 curve_at(sampler2D curve, vec3 x, float row) {
-    x = (clamp(x, 0.0, 1.0) * (G_NODES - 1.0) + 0.5) / G_NODES;
-    return vec3(texture(curve, vec2(x.x, row)).x, texture(curve, vec2(x.y, row)).y, texture(curve, vec2(x.z, row)).z);
-}
-
-// v = tone⁻¹(Tᵀ X + mean), X = q(g), or c(m(u) + s(u) q(g) + Σ l(u) q(g)) of a pattern: invert_spectral,
-// apply_periodic_layer.
-//
-// At mip level m a field is an average over a pixel. The curves of that level are already
-// E[q(g + hidden part)]; the tone's curve is taken to second order in the variance that the
-// level hides, E[f(x)] ≈ f(x) + ½ f''(x) s². So a distant texture keeps its mean colour.
-vec3 texture_at(int k, vec4 hides) {
-    int row = k * SUBSPACE_ROWS;
-    float level = clamp(place.level, 0.0, float(LEVELS - 1));
-    float curve_row = (float(k * LEVELS) + level + 0.5) / float(SUBSPACES * LEVELS);
-    vec3 q = curve_at(curves, field_at(place.tiles, k, place.dx, place.dy) * (0.5 / G) + 0.5, curve_row);
-#ifdef PATTERN
-    vec2 at = place.u.yx + CELL_HALF_TEXEL;
-    vec3 m = textureGrad(cells, vec3(at, float(3 * k)), place.udx.yx, place.udy.yx).xyz;
-    vec3 s = textureGrad(cells, vec3(at, float(3 * k + 1)), place.udx.yx, place.udy.yx).xyz;
-    vec3 l = textureGrad(cells, vec3(at, float(3 * k + 2)), place.udx.yx, place.udy.yx).xyz;
-    vec3 mixed = vec3(0.0, l.x * q.x, l.y * q.x + l.z * q.y);
-    q = curve_at(toneCurves, (m + s * q + mixed - subspaces[row + ROW_LOW].xyz) * subspaces[row + ROW_SCALE].xyz, curve_row);
+// \param dx, dy  how the place moves from pixel to pixel
+Components components_at(vec2 texel, vec2 dx, vec2 dy, float level) {
+#if ANISOTROPY > 1
+#define component(group, at) textureGrad(group, at, dx / fieldSize, dy / fieldSize)
+#else
+#define component(group, at) textureLod(group, at, level)
 #endif
-    vec4 mean = subspaces[row + ROW_MEAN];
-    vec3 v = max(mean.xyz + q.x * subspaces[row].xyz + q.y * subspaces[row + 1].xyz + q.z * subspaces[row + 2].xyz, 0.0);
-    return mean.w == 0.0 ? v : decode(v) + half_curvature(v) * hides.xyz;
+    Components p;
+#ifdef PATTERN
+    texel = vec2(dot(warp.xy, texel), dot(warp.zw, texel));
+#endif
+    Tiles t = tiles_at(texel / fieldSize);
+    float column = (clamp(level, 0.0, float(LEVELS - 1)) + 0.5) / float(LEVELS);
+#ifdef PATTERN
+    vec2 u = align_phases(texel, t, level).yx;
+#define MIDDLE(j, cells) textureLod(cells, u, level + cellLevel)
+#else
+    // Of lognormal values the logarithm of the mean moves with the variance.
+#define MIDDLE(j, cells) mix(farMiddle[j], middle[j], share[j])
+#endif
+    vec4 share = textureLod(kept, vec2(column, 0.5), 0.0);
+    p.kept = share.w;
+#ifdef REPEAT
+    p.c[0] = component(basis0, t.at0);
+#if GROUPS > 1
+    p.c[1] = component(basis1, t.at0);
+#endif
+#if GROUPS > 2
+    p.c[2] = component(basis2, t.at0);
+#endif
+#else
+    float rest = 1.0 - t.w.x - t.w.y - t.w.z;
+    p.c[0] = rest * MIDDLE(0, cells0);
+#if GROUPS > 1
+    p.c[1] = rest * MIDDLE(1, cells1);
+#endif
+#if GROUPS > 2
+    p.c[2] = rest * MIDDLE(2, cells2);
+#endif
+    for (int i = 0; i < 3 && t.w.x > 0.0; ++i) {
+        p.c[0] += t.w.x * component(basis0, t.at0);
+#if GROUPS > 1
+        p.c[1] += t.w.x * component(basis1, t.at0);
+#endif
+#if GROUPS > 2
+        p.c[2] += t.w.x * component(basis2, t.at0);
+#endif
+        t.at0 = t.at1;
+        t.at1 = t.at2;
+        t.w = vec3(t.w.yz, 0.0);
+    }
+#endif
+#define CURVE(j) p.c[j] = exp(exponent[j] * p.c[j]) + offset[j];
+    EACH_GROUP(CURVE)
+    return p;
 }
 
 // ---------------------------------------------------------------- surface
 
 float height_at(vec2 texel, float level) {
-    return relief * textureLod(surface, texel / surfaceSize, level).w;
+    return relief * mix(heightRange.x, heightRange.y, textureLod(heights, texel / surfaceSize, level).w);
 }
 
 // How many steps a ray takes between the highest and the lowest height: one a texel of the level
@@ -274,53 +320,55 @@ float lit(vec3 N, vec3 light, float level) {
     return 0.5 * (mean + sqrt(mean * mean + spread * 0.63661977));
 }
 
+// E s, C_s = ln(E s² / (E s)²), h_s = -8 ln(E √s / √E s).
 vec3 shading_moments(vec3 light) {
     vec2 at = (light.xy / (1.0 + max(light.z, 0.0)) * 0.5 + 0.5) * float(MOMENT_SIDE - 1) + 0.5;
-    return max(texture(moments, at / float(MOMENT_SIDE)).xyz, 1e-4);
+    return textureLod(moments, at / float(MOMENT_SIDE), 0.0).xyz;
 }
 
 // ---------------------------------------------------------------- interpolation
 
+#ifdef MEASURED
 // The weights of the pairs of the nearest three lights and views, and their subspaces: row i is
-// of light i.
+// of light i. Subspaces are whole numbers, or -1 where they have no weight.
 struct Pairs {
     vec3 w0, w1, w2;
-    ivec3 k0, k1, k2;
+    vec3 k0, k1, k2;
     vec4 e;          // encoded mean colour and contrast
     float fade;
 };
 
-#ifdef MEASURED
-// Adds the pairs of one light. \param z  its height and the cube root of it, weighted
-void add_pairs(int light, float w, Corners view, out vec3 weights, out ivec3 k, inout vec4 e, inout vec2 z) {
-    weights = w * view.w;
-    z += w * uintBitsToFloat(in_list(lightCells, LIGHT_HEIGHTS + light).xy);
-    for (int j = 0; j < 3; ++j) {
-        uvec4 pair = in_list(pairs, light * VIEWS + (j == 0 ? view.number.x : j == 1 ? view.number.y : view.number.z));
-        int subspace = int(pair.w & 0xFFu);
-        float weight = j == 0 ? weights.x : j == 1 ? weights.y : weights.z;
-        if (j == 0) k.x = subspace;
-        else if (j == 1) k.y = subspace;
-        else k.z = subspace;
-        e += weight * vec4(uintBitsToFloat(pair.xyz), unpackHalf2x16(pair.w >> 16).x);
-    }
+// Adds a pair. \param z  of its light, and ∛z; weighted
+float add_pair(int at, float w, inout vec4 e, inout vec2 z) {
+    vec4 pair = texelFetch(pairs, ivec2(at & (LIST_COLS - 1), at >> LIST_SHIFT), 0);
+    float k = floor(pair.w * (1.0 / 65536.0));
+    float rest = pair.w - 65536.0 * k;
+    float root = floor(rest * (1.0 / 256.0));
+    e += w * vec4(pair.xyz, rest - 256.0 * root);
+    root *= 1.0 / 255.0;
+    z += w * vec2(root * root * root, root);
+    return k;
 }
-#endif
+
+vec3 add_pairs(int light, vec3 w, ivec3 view, inout vec4 e, inout vec2 z) {
+    ivec3 at = light * VIEWS + view;
+    return vec3(add_pair(at.x, w.x, e, z), add_pair(at.y, w.y, e, z), add_pair(at.z, w.z, e, z));
+}
 
 // Steps 1 to 3 of DirectionalInterpolation::at.
 Pairs interpolate(Corners view, vec3 light) {
     Pairs p;
     p.e = vec4(0.0);
     p.fade = light.z;
-    p.w0 = vec3(1.0, 0.0, 0.0);
-    p.w1 = p.w2 = vec3(0.0);
-    p.k0 = p.k1 = p.k2 = ivec3(0);
-#ifdef MEASURED
     Corners l = corners_of(lightCells, light);
     vec2 z = vec2(0.0);
-    add_pairs(l.number.x, l.w.x, view, p.w0, p.k0, p.e, z);
-    add_pairs(l.number.y, l.w.y, view, p.w1, p.k1, p.e, z);
-    add_pairs(l.number.z, l.w.z, view, p.w2, p.k2, p.e, z);
+    p.w0 = l.w.x * view.w;
+    p.w1 = l.w.y * view.w;
+    p.w2 = l.w.z * view.w;
+    p.k0 = add_pairs(l.number.x, p.w0, view.number, p.e, z);
+    p.k1 = add_pairs(l.number.y, p.w1, view.number, p.e, z);
+    p.k2 = add_pairs(l.number.z, p.w2, view.number, p.e, z);
+    p.e.w *= contrastScale;
 #ifdef COSINE_INCLUDED
 #ifdef REFLECTANCE
     p.fade = min(4.0, light.z / max(z.y * z.y * z.y, 1e-3));
@@ -328,66 +376,86 @@ Pairs interpolate(Corners view, vec3 light) {
     p.fade = min(4.0, light.z / max(z.x, 1e-3));
 #endif
 #endif
-#endif
     return p;
 }
 
-// The subspace of a pair that has weight, or -1.
-int next_subspace(Pairs p) {
-    if (p.w0.x > 0.0) return p.k0.x;
-    if (p.w0.y > 0.0) return p.k0.y;
-    if (p.w0.z > 0.0) return p.k0.z;
-    if (p.w1.x > 0.0) return p.k1.x;
-    if (p.w1.y > 0.0) return p.k1.y;
-    if (p.w1.z > 0.0) return p.k1.z;
-    if (p.w2.x > 0.0) return p.k2.x;
-    if (p.w2.y > 0.0) return p.k2.y;
-    if (p.w2.z > 0.0) return p.k2.z;
-    return -1;
+// What does not count is not read: pairs of weights below FAINT.
+void leave_out_faint(inout Pairs p) {
+    const float FAINT = 0.02;
+    p.w0 = max(p.w0 - FAINT, 0.0);
+    p.w1 = max(p.w1 - FAINT, 0.0);
+    p.w2 = max(p.w2 - FAINT, 0.0);
+    float scale = 1.0 / dot(p.w0 + p.w1 + p.w2, vec3(1.0));
+    p.w0 *= scale;
+    p.w1 *= scale;
+    p.w2 *= scale;
+    p.k0 = mix(vec3(-1.0), p.k0, vec3(greaterThan(p.w0, vec3(0.0))));
+    p.k1 = mix(vec3(-1.0), p.k1, vec3(greaterThan(p.w1, vec3(0.0))));
+    p.k2 = mix(vec3(-1.0), p.k2, vec3(greaterThan(p.w2, vec3(0.0))));
 }
 
-// The weight of all pairs of subspace k, which is then taken from them.
-float take_weight(inout Pairs p, int k) {
-    vec3 of0 = vec3(equal(p.k0, ivec3(k)));
-    vec3 of1 = vec3(equal(p.k1, ivec3(k)));
-    vec3 of2 = vec3(equal(p.k2, ivec3(k)));
-    float w = dot(of0, p.w0) + dot(of1, p.w1) + dot(of2, p.w2);
-    p.w0 -= of0 * p.w0;
-    p.w1 -= of1 * p.w1;
-    p.w2 -= of2 * p.w2;
-    return w;
+// The largest number of a subspace that has weight, or -1.
+float next_subspace(Pairs p) {
+    vec3 most = max(p.k0, max(p.k1, p.k2));
+    return max(most.x, max(most.y, most.z));
 }
 
+// The weight of all pairs of subspace k, which are then out.
+float take_weight(inout Pairs p, float k) {
+    vec3 of0 = max(1.0 - abs(p.k0 - k), 0.0);
+    vec3 of1 = max(1.0 - abs(p.k1 - k), 0.0);
+    vec3 of2 = max(1.0 - abs(p.k2 - k), 0.0);
+    p.k0 -= of0 * (k + 1.0);
+    p.k1 -= of1 * (k + 1.0);
+    p.k2 -= of2 * (k + 1.0);
+    return dot(of0, p.w0) + dot(of1, p.w1) + dot(of2, p.w2);
+}
+#endif
+
+vec4 in_subspace(int k, int column) {
+    return texelFetch(subspaces, ivec2(column, k), 0);
+}
+
+#ifdef MEASURED
 // The value of the place for one light: steps 4 to 6, max(0, offset + gain (x s)^power).
 // A mip level that keeps a share of the variance keeps as much of what the power takes off the mean.
 // \param s  shading of mean 1;  C_s, h_s  ln(E s² / (E s)²) and -8 ln(E √s / √E s) over the surface
-vec3 value_for(Pairs p, float s, float C_s, float h_s) {
-    vec3 x = vec3(0.0);
-    vec3 mean = vec3(0.0);
-    vec4 F = vec4(0.0);
+vec3 value_for(Pairs p, Components psi, float s, float C_s, float h_s) {
+    vec4 mean = vec4(0.0);
     vec4 shape = vec4(0.0);
-    float kept = 0.0;
-    for (int k = next_subspace(p); k >= 0; k = next_subspace(p)) {
-        float w = take_weight(p, k);
-        vec2 at = vec2((float(k) + 0.5) / float(SUBSPACES), (clamp(place.level, 0.0, float(LEVELS - 1)) + 0.5) / float(LEVELS));
-        vec4 hides = texture(hidden, at);
-        x += w * texture_at(k, hides);
-#ifdef REFLECTANCE
-        vec3 own = subspaces[k * SUBSPACE_ROWS + ROW_TEXTURE].xyz;
+    vec3 x = vec3(0.0);
+    vec4 F[GROUPS];
+#define CLEAR(j) F[j] = vec4(0.0);
+    EACH_GROUP(CLEAR)
+    leave_out_faint(p);
+    for (float next = next_subspace(p); next >= 0.0; next = next_subspace(p)) {
+        int k = int(next);
+        float w = take_weight(p, next);
+        vec4 red, green, blue;
+#define ADD(j) \
+        red = w * in_subspace(k, 3 * j); \
+        green = w * in_subspace(k, 3 * j + 1); \
+        blue = w * in_subspace(k, 3 * j + 2); \
+        x += vec3(dot(red, psi.c[j]), dot(green, psi.c[j]), dot(blue, psi.c[j])); \
+        F[j] += LUMINANCE.x * red + LUMINANCE.y * green + LUMINANCE.z * blue;
+        EACH_GROUP(ADD)
+        vec4 own = in_subspace(k, 3 * GROUPS);
         mean += w * own;
-        F += w * subspaces[k * SUBSPACE_ROWS + ROW_COVARIANCE];
-        shape += w * dot(LUMINANCE, own) * subspaces[k * SUBSPACE_ROWS + ROW_SHAPE];
-        kept += w * hides.w;
+#ifdef REFLECTANCE
+        shape += w * dot(LUMINANCE, own.xyz) * in_subspace(k, 3 * GROUPS + 1);
 #endif
     }
-    x *= s;
+    x = max(mean.xyz + x, 0.0) * s;
 #ifdef REFLECTANCE
     vec3 e = max(p.e.xyz, 0.0);
     vec3 target = p.fade * e * e * e;
-    float Y = max(dot(LUMINANCE, mean), 1e-6);
-    mean = max(mean, 1e-6);
+    vec3 m = max(mean.xyz, 1e-6);
+    float Y = dot(LUMINANCE, m);
+    float variance = 0.0;
+#define VARIANCE(j) F[j] /= S_[j]; variance += dot(F[j], F[j]);
+    EACH_GROUP(VARIANCE)
     shape /= Y;
-    float C = log(1.0 + dot(F, F) / (Y * Y));
+    float C = log(1.0 + variance / (Y * Y));
     float h = C + C * C * shape.w;
     C = max(C + C_s, 1e-6);
     float H = clamp(h + h_s, 0.5 * C, 2.83 * C);
@@ -396,8 +464,9 @@ vec3 value_for(Pairs p, float s, float C_s, float h_s) {
     float power = clamp(pow(log(1.0 + wanted * wanted) / C, 1.0 / q), 0.5, 1.0);
     float amplify = min(3.0, wanted / sqrt(max(exp(C * pow(power, q)) - 1.0, 1e-6)));
     vec3 c = (shape.xyz * h + h_s) * (1.0 + (C / H - 1.0) * (power - 0.5) / 1.5);
-    vec3 E = exp(-0.5 * power * (1.0 - power) * c * kept);
-    return max(vec3(0.0), target * (1.0 - amplify + amplify * pow(max(x, 0.0) / mean, vec3(power)) / E));
+    // (x/m)^power / E, E = exp(-½ power (1 - power) c)
+    vec3 t = exp(power * log(max(x / m, 1e-6)) + 0.5 * power * (1.0 - power) * psi.kept * c);
+    return max(vec3(0.0), target * (1.0 - amplify + amplify * t));
 #else
     return p.fade * x;
 #endif
@@ -406,8 +475,32 @@ vec3 value_for(Pairs p, float s, float C_s, float h_s) {
 // The colours of the subspaces, by their weights.
 vec3 palette_of(Pairs p) {
     vec3 sum = vec3(0.0);
-    for (int k = next_subspace(p); k >= 0; k = next_subspace(p)) sum += take_weight(p, k) * palette[k];
+    leave_out_faint(p);
+    for (float k = next_subspace(p); k >= 0.0; k = next_subspace(p)) sum += take_weight(p, k) * palette[int(k)];
     return sum;
+}
+#endif
+
+// The value under light from everywhere, of irradiance 1: the mean over the lights measured of the
+// view's colours, and of the textures of all pairs relative to them.
+vec3 sky_value(Corners view, Components psi) {
+#ifdef MEASURED
+    vec3 colour = vec3(0.0);
+    vec3 relative = vec3(0.0);
+    colour += view.w.x * texelFetch(skies, ivec2(0, view.number.x), 0).xyz;
+    colour += view.w.y * texelFetch(skies, ivec2(0, view.number.y), 0).xyz;
+    colour += view.w.z * texelFetch(skies, ivec2(0, view.number.z), 0).xyz;
+#define OF_SKY(j) \
+    relative += vec3(dot(skyRows[3 * j], psi.c[j]), dot(skyRows[3 * j + 1], psi.c[j]), dot(skyRows[3 * j + 2], psi.c[j]));
+    EACH_GROUP(OF_SKY)
+    return colour * max(1.0 + relative, 0.0);
+#else
+    vec3 x = in_subspace(0, 3 * GROUPS).xyz;
+#define OWN(j) \
+    x += vec3(dot(in_subspace(0, 3 * j), psi.c[j]), dot(in_subspace(0, 3 * j + 1), psi.c[j]), dot(in_subspace(0, 3 * j + 2), psi.c[j]));
+    EACH_GROUP(OWN)
+    return max(x, 0.0);
+#endif
 }
 
 // ---------------------------------------------------------------- a pixel
@@ -436,9 +529,10 @@ vec3 sateen_radiance() {
     vec2 texel = vec2(vUv.x, -vUv.y) * texelsPerUv;
     vec2 dx = dFdx(texel);
     vec2 dy = dFdy(texel);
-    // As anisotropic filtering chooses it: by the shorter axis, up to ANISOTROPY to 1.
+    // The longer axis of a pixel's footprint, unless it is ANISOTROPY times the shorter.
     vec2 axes = vec2(dot(dx, dx), dot(dy, dy));
-    place.level = 0.5 * log2(max(max(min(axes.x, axes.y), max(axes.x, axes.y) / (ANISOTROPY * ANISOTROPY)), 1e-8));
+    float fine = 0.5 * log2(max(min(axes.x, axes.y), 1e-8));  // of the relief, along the shorter axis
+    float level = 0.5 * log2(max(max(min(axes.x, axes.y), max(axes.x, axes.y) / float(ANISOTROPY * ANISOTROPY)), 1e-8));
 
     vec3 normal = vec3(0.0, 0.0, 1.0);
     vec3 hit = vec3(texel, 0.0);
@@ -446,8 +540,8 @@ vec3 sateen_radiance() {
 #ifdef SURFACE
     rough = relief > 0.0 && viewMode != VIEW_SMOOTH && viewMode != VIEW_INDEX;
     if (rough) {
-        if (marched) hit = relief_hit(texel, view, place.level);
-        vec3 n = textureLod(surface, hit.xy / surfaceSize, place.level).xyz;
+        if (marched) hit = relief_hit(texel, view, fine);
+        vec3 n = textureLod(surface, hit.xy / surfaceSize, fine).xyz * (255.0 / 127.0) - 1.0;
         float size = dot(n, n);
         normal = vec3(relief * n.xy, n.z);
         normal *= sqrt(size / dot(normal, normal));
@@ -459,48 +553,36 @@ vec3 sateen_radiance() {
     view_corners = corners_of(viewCells, view);
 #endif
 
-    vec2 st = hit.xy / fieldSize;
-    place.tiles = tiles_at(st);
-    place.dx = dx / fieldSize;
-    place.dy = dy / fieldSize;
-#ifdef PATTERN
-    place.u = phase_at(hit.xy, place.tiles, place.dx, place.dy);
-    place.udx = vec2(dot(latticeInverse.xy, dx.yx), dot(latticeInverse.zw, dx.yx));
-    place.udy = vec2(dot(latticeInverse.xy, dy.yx), dot(latticeInverse.zw, dy.yx));
-#endif
+    Components psi = components_at(hit.xy, dx, dy, level);
 
-    // Light from everywhere is taken to come from the normal, which is exact for a matt surface.
+    vec3 radiance = vec3(0.0);
     vec3 ambient = ambientLightColor;
 #if NUM_HEMI_LIGHTS > 0
-    vec3 bent = normalize(frame * normal);
+    vec3 bent = frame * normalize(normal);
     for (int i = 0; i < NUM_HEMI_LIGHTS; ++i)
         ambient += getHemisphereLightIrradiance(hemisphereLights[i], bent);
 #endif
-    vec3 radiance = vec3(0.0);
-    int first = ambient == vec3(0.0) ? 0 : -1;
-    for (int i = first; i < NUM_DIR_LIGHTS; ++i) {
-        vec3 irradiance = ambient;
-        vec3 light = vec3(0.0, 0.0, 1.0);
+    vec3 everywhere = sky_value(view_corners, psi);
+    if (viewMode == VIEW_RELIEF) radiance = 0.5 * ambient;
+    else if (viewMode != VIEW_INDEX) radiance = ambient * everywhere;
 #if NUM_DIR_LIGHTS > 0
-        if (i >= 0) {
-            irradiance = directionalLights[i].color;
-            light = directionalLights[i].direction * frame;
-        }
-#endif
+    for (int i = 0; i < NUM_DIR_LIGHTS; ++i) {
+        vec3 irradiance = directionalLights[i].color;
+        vec3 light = directionalLights[i].direction * frame;
         if (light.z <= 0.0) continue;
         float s = 1.0;
         float C_s = 0.0;
         float h_s = 0.0;
         float clay = light.z;
 #ifdef SURFACE
-        if (rough && i >= 0) {
-            float shadow = marched ? self_shadow(hit, light, place.level) : 1.0;
-            clay = lit(normal, light, place.level) * shadow;
+        if (rough) {
+            float shadow = marched ? self_shadow(hit, light, fine) : 1.0;
+            clay = lit(normal, light, fine) * shadow;
 #ifdef DELIT
             vec3 mean = shading_moments(light);
-            s = lit(normal, light, place.level) / mean.x;
-            C_s = log(max(1.0, mean.y / (mean.x * mean.x)));
-            h_s = max(0.0, -8.0 * log(mean.z / sqrt(mean.x)));
+            s = lit(normal, light, fine) / mean.x;
+            C_s = mean.y;
+            h_s = mean.z;
 #endif
             s *= shadow;
         }
@@ -509,13 +591,18 @@ vec3 sateen_radiance() {
             radiance += 0.5 * irradiance * clay;
             continue;
         }
+#ifdef MEASURED
         Pairs p = interpolate(view_corners, light);
         if (viewMode == VIEW_INDEX) {
             radiance = palette_of(p);
             continue;
         }
-        radiance += irradiance * value_for(p, s, C_s, h_s);
+        radiance += irradiance * value_for(p, psi, s, C_s, h_s);
+#else
+        radiance += irradiance * light.z * s * everywhere;
+#endif
     }
+#endif
     if (viewMode == VIEW_INDEX) return radiance;
     const float RECIPROCAL_PI_ = 0.3183098861837907;
     return exposure * (viewMode == VIEW_RELIEF ? vec3(1.0) : tint) * radiance * RECIPROCAL_PI_;

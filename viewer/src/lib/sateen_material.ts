@@ -7,13 +7,13 @@ import {
 } from 'three';
 
 import type { Material } from './material';
-import { fieldVariance, patternTextures, type PatternTextures, phaseTexture } from './pattern';
+import { LEVELS } from './basis';
+import { latticeOf, phaseTexture, warpOf } from './pattern';
 import { MOMENT_SIDE, ReliefTextures } from './relief';
 import { type MaterialData, START_SIDE } from './runtime';
 import evaluation from './sateen.glsl?raw';
 import {
-  ANISOTROPY, curveTexture, directionTextures, FieldTexture, hiddenTexture, LEVELS, LIST_COLS, SUBSPACE_ROWS,
-  subspaceRows, toneCurveTexture,
+  basisTextures, byGroup, directionTextures, keptTexture, LIST_COLS, skyOf, subspaceTexture,
 } from './textures';
 
 /** Side of the drawn tile, and about that of a torus of the range map, in texels. */
@@ -30,6 +30,11 @@ export interface SateenMaterialOptions {
   /** Side of the drawn tile in texels. */
   tile?: number;
   seed?: bigint;
+  /**
+   * Texels a fetch may take along a slanted pixel; 1 for renderers in software, which are slow at it.
+   * Unless told, 1 as of three.js's textures.
+   */
+  anisotropy?: number;
   /** Show the one tile over and over, as `sateen render` does, instead of blending shifted ones. */
   repeat?: boolean;
   onProgress?: (share: number) => void;
@@ -65,26 +70,10 @@ async function drawRelief(source: Material, options: SateenMaterialOptions): Pro
   const { tile = TILE, seed = 0n, repeat = false, signal } = options;
   const side = (length: number): number => length * Math.max(1, Math.round(SURFACE_SIDE / length));
   const [rows, cols] = repeat ? [tile, tile] : [side(surface.rows), side(surface.cols)];
-  const relief = new ReliefTextures(await source.drawRange(rows, cols, seed, signal), rows, cols);
+  const relief = new ReliefTextures(await source.range({ rows, cols, seed }, signal), rows, cols);
   if (relief.range[1] > relief.range[0]) return relief;
   relief.dispose();
   return undefined;
-}
-
-interface DrawnPattern extends PatternTextures {
-  phase: Texture;
-  inverse: number[];
-}
-
-async function drawPattern(
-  source: Material, kept: Float32Array, options: SateenMaterialOptions,
-): Promise<DrawnPattern | undefined> {
-  if (!source.description.pattern) return undefined;
-  const { tile = TILE, seed = 0n, repeat = false, signal } = options;
-  const phase = await source.drawPhase(tile, tile, seed, signal);
-  const textures = patternTextures(source.description, await source.patterns(signal), kept);
-  const inverse = repeat ? phase.inverse : source.description.pattern.inverse;
-  return { ...textures, phase: phaseTexture(phase, tile, tile), inverse };
 }
 
 /** Colours that tell subspaces apart, by the golden angle. */
@@ -104,55 +93,48 @@ export class SateenMaterial extends ShaderMaterial {
 
   /** Draws the fields of every subspace in the background, then makes the material. */
   static async create(source: Material, options: SateenMaterialOptions = {}): Promise<SateenMaterial> {
-    const { tile = TILE, seed = 0n, texelsPerUv = [1024, 1024], repeat = false, onProgress, signal } = options;
+    const { tile = TILE, seed = 0n, texelsPerUv = [1024, 1024], repeat = false, anisotropy = 1, onProgress, signal } = options;
     const { description } = source;
-    const subspaces = description.subspaces.length;
-    const fields = new FieldTexture(tile, description.bands, subspaces);
-    await source.draw({
-      rows: tile, cols: tile, seed, fieldsOnly: true, onProgress, signal,
-      onTexture: (k, texture) => fields.set(k, texture),
-    });
-    const pattern = await drawPattern(source, fields.variance, options);
-    const relief = await drawRelief(source, options);
+    const { pattern, bands } = description;
     const measured = description.views.length > 0;
-    const reflectance = measured && description.appearance !== null;
-    const moments = reflectance ? await source.moments(tile, tile, seed, signal) : undefined;
+    const torus = { rows: tile, cols: tile };
+    const { basis, phase } = await source.basis({ ...torus, seed }, onProgress, signal);
+    const relief = await drawRelief(source, options);
 
     const directions = directionTextures(description);
-    const variance = pattern?.variance ?? fieldVariance(description, fields.variance);
+    const sky = measured ? skyOf(description, basis) : undefined;
     const unused = new DataTexture(new Uint8Array(4), 1, 1);
     const textures: Record<string, Texture> = {
-      fields: fields.texture,
-      curves: curveTexture(description.subspaces, fields.variance),
-      hidden: hiddenTexture(description.subspaces, variance.hidden, variance.all),
-      viewCells: directions.viewCells,
-      lightCells: directions.lightCells,
-      pairs: directions.pairs,
+      ...basisTextures(basis, anisotropy),
+      ...directions.textures,
+      kept: keptTexture(basis),
+      subspaces: subspaceTexture(basis, bands),
+      skies: sky?.texture ?? unused,
       surface: relief?.surface ?? unused,
+      heights: relief?.heights ?? unused,
       moments: relief?.moments ?? unused,
-      ...(pattern && {
-        cells: pattern.cells,
-        phase: pattern.phase,
-        toneCurves: toneCurveTexture(description.subspaces, pattern.ranges, variance.hidden),
-      }),
+      phase: phase ? phaseTexture(phase, torus.rows, torus.cols) : unused,
     };
+    const reflectance = measured && description.appearance !== null;
+    const inverse = phase?.inverse ?? [1, 0, 0, 1];
+    const lattice = latticeOf(inverse, torus);
+    // Texels of a cell's table along a texel of the torus.
+    const cellTexels = pattern ? Math.sqrt(Math.abs(inverse[0]! * inverse[3]! - inverse[1]! * inverse[2]!) * pattern.rows * pattern.cols) : 1;
     const flag = (name: string, on: unknown): Record<string, number> => (on ? { [name]: 1 } : {});
-    const cell = description.pattern ?? { rows: 1, cols: 1 };
     const material = new SateenMaterial(description, {
       lights: true,
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
       defines: {
-        SUBSPACES: subspaces,
-        SUBSPACE_ROWS,
+        SUBSPACES: description.subspaces.length,
+        GROUPS: basis.groups.length,
         LEVELS,
         LIST_COLS,
+        LIST_SHIFT: Math.log2(LIST_COLS),
         START_SIDE,
         MOMENT_SIDE,
         VIEWS: description.views.length,
-        LIGHT_HEIGHTS: directions.lightHeights,
-        CELL_HALF_TEXEL: `vec2(${0.5 / cell.cols}, ${0.5 / cell.rows})`,
-        ANISOTROPY: `${ANISOTROPY}.0`,
+        ANISOTROPY: Math.round(anisotropy),
         RELIEF_STEPS: 32,
         SHADOW_STEPS: 16,
         ...flag('MEASURED', measured),
@@ -165,17 +147,26 @@ export class SateenMaterial extends ShaderMaterial {
       },
       uniforms: UniformsUtils.merge([UniformsLib.lights, {
         texelsPerUv: { value: new Vector2(...texelsPerUv) },
-        fieldSize: { value: new Vector2(tile, tile) },
+        fieldSize: { value: new Vector2(torus.cols, torus.rows) },
+        exponent: { value: byGroup(basis.exponent) },
+        offset: { value: byGroup(basis.offset) },
+        middle: { value: byGroup(basis.middle) },
+        farMiddle: { value: byGroup(basis.farMiddle) },
+        skyRows: { value: byGroup(sky?.rows ?? new Float32Array(12 * basis.groups.length)) },
+        contrastScale: { value: directions.contrastScale },
+        S_: { value: byGroup(basis.S) },
+        latticeInverse: { value: new Vector4(...inverse) },
+        lattice: { value: new Vector4(...lattice) },
+        warp: { value: new Vector4(...(pattern && !repeat ? warpOf(pattern.inverse, inverse) : [1, 0, 0, 1])) },
+        cellLevel: { value: Math.log2(cellTexels) },
         surfaceSize: { value: new Vector2(relief?.cols ?? 1, relief?.rows ?? 1) },
         heightRange: { value: new Vector2(...(relief?.range ?? [0, 0])) },
-        latticeInverse: { value: new Vector4(...(pattern?.inverse ?? [1, 0, 0, 1])) },
-        subspaces: { value: subspaceRows(description.subspaces, moments, pattern?.ranges) },
         relief: { value: 1 },
         marched: { value: true },
         tint: { value: new Color(1, 1, 1) },
         exposure: { value: 1 },
         viewMode: { value: 0 },
-        palette: { value: subspaceColours(subspaces).map((c) => new Vector3(c.r, c.g, c.b)) },
+        palette: { value: subspaceColours(description.subspaces.length).map((c) => new Vector3(c.r, c.g, c.b)) },
       }]),
     });
     // Not merged: that would copy the textures.

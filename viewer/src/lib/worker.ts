@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws in the background: one worker a material. To cancel is to end the worker.
+import { type Basis, makeBasis } from './basis';
 import {
-  type DrawOptions, type LoadedMaterial, type MaterialData, type PatternPhase, Runtime, type TextureMoments,
+  type DrawOptions, type LoadedMaterial, type MaterialData, type PatternPhase, Runtime,
 } from './runtime';
 
 /** A torus to be drawn on. */
@@ -14,21 +15,19 @@ export interface Torus {
 export type Request =
   | { kind: 'load'; module: WebAssembly.Module; payload: Uint8Array }
   | { kind: 'draw'; options: DrawOptions }
-  | ({ kind: 'range' | 'phase' | 'moments' } & Torus)
-  | { kind: 'patterns' };
+  | ({ kind: 'range' | 'basis' } & Torus);
 
 /** What the requests that answer at once give. */
 export interface Drawn {
   range: Float32Array;
-  phase: PatternPhase;
-  moments: TextureMoments;
-  /** One table a subspace. */
-  patterns: Float32Array[];
+  /** With the phase of the pattern on the same torus. */
+  basis: { basis: Basis; phase: PatternPhase | undefined };
 }
 
 export type Reply =
   | { kind: 'loaded'; description: MaterialData }
   | { kind: 'texture'; subspace: number; texture: Float32Array }
+  | { kind: 'progress'; share: number }
   | { kind: 'drawn'; result?: Drawn[keyof Drawn] }
   | { kind: 'failed'; message: string };
 
@@ -43,18 +42,26 @@ function drawn(request: Exclude<Request, { kind: 'load' }>, loaded: LoadedMateri
   switch (request.kind) {
     case 'range':
       return loaded.drawRange(request.rows, request.cols, request.seed);
-    case 'phase':
-      return loaded.drawPhase(request.rows, request.cols, request.seed);
-    case 'moments':
-      return loaded.moments(request.rows, request.cols, request.seed);
-    case 'patterns':
-      return loaded.description.subspaces.map((_, k) => loaded.pattern(k));
+    case 'basis':
+      return drawBasis(request, loaded);
     case 'draw':
       loaded.draw(request.options, (subspace, texture) => {
         scope.postMessage({ kind: 'texture', subspace, texture }, [texture.buffer as ArrayBuffer]);
       });
       return undefined;
   }
+}
+
+function drawBasis(torus: Torus, loaded: LoadedMaterial): Drawn['basis'] {
+  const { rows, cols, seed } = torus;
+  const { subspaces, pattern, bands } = loaded.description;
+  const textures: Float32Array[] = [];
+  loaded.draw({ rows, cols, seed }, (k, texture) => {
+    textures[k] = texture;
+    scope.postMessage({ kind: 'progress', share: (0.8 * (k + 1)) / subspaces.length });
+  });
+  const phase = pattern ? loaded.drawPhase(rows, cols, seed) : undefined;
+  return { basis: makeBasis(textures, bands, torus, phase && { phase, cell: pattern! }), phase };
 }
 
 async function answer(request: Request): Promise<void> {
