@@ -285,8 +285,8 @@ def structure_lines(textures):
     """The periodic layer and the modulation of bands; a pair is without / with."""
     lines = [
         "", "## Structure", "",
-        "`structure_bench --rivals`: the 512 x 512 pixels at the top left, and patterns made in code "
-        "(bent by 1.5 pixels under 3 % grain). Geometric mean of four seeds, and for patterns of "
+        "`structure_bench --rivals`: the 512 x 512 pixels at the top left, of patterns made in code "
+        "too where they are listed. Geometric mean of four seeds, and for patterns of "
         "three tori near 512, 448 and 576. Gaussian: `--structure none`; Sateen: default; random phase "
         "and tiling and blending keep the exemplar; prototype: column E of the numpy prototype, whose "
         "score divides otherwise (decision 7), so that it can only be compared roughly. Targets are its column and "
@@ -311,7 +311,8 @@ def structure_lines(textures):
     lines += [
         "", "What it costs, and numbers that nothing was fitted to (0 is equality; smaller is "
         "better), Gaussian / Sateen. Bytes of the file, and of the parts before compression; "
-        "seconds of analysis and milliseconds of drawing exactly 512 x 512 on one thread.", "",
+        "seconds of analysis and milliseconds of drawing exactly 512 x 512, of processor time on one "
+        "thread, which other work of the machine lengthens (fabric was drawn beside four builds).", "",
         "| | gradient kurtosis | blobs | patches | bytes | pattern | modulation | analysis, s | drawing, ms | strain |",
         "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
     ]  # fmt: skip
