@@ -26,7 +26,7 @@ constexpr double kNearlySmallest = 1.45;
 /// ρ of a pattern exceeds kFloor + kChance/√n + kFew/n.
 constexpr double kFloor = 0.07;
 constexpr double kChance = 0.24;
-constexpr double kFew = 0.5;
+constexpr double kFew = 1.5;
 /// Half a vector away the pattern is still that much alike: it has one dimension. Only the
 /// multiples of its period are then chances to be unlike, and streaks of a random texture
 /// repeat more easily.

@@ -28,7 +28,7 @@ struct Lattice {
 ///     ρ(a, b) = mean of A(k a + l b),  (k, l) ≠ 0,  |k a + l b| ≤ side/2
 ///
 /// A the autocorrelation of the plane without its slow changes, and of nearly equal ones the
-/// primitive. Nothing where ρ ≤ 0.07 + 0.24/√n + 0.5/n, n lattice points in the half disc. Where the
+/// primitive. Nothing where ρ ≤ 0.07 + 0.24/√n + 1.5/n, n lattice points in the half disc. Where the
 /// pattern changes along one direction only, ρ must exceed 0.07 + 0.7/√k as well, k ≥ 3
 /// periods of it in half the side: a purely random texture of streaks repeats by chance.
 /// \param plane  any size of at least 64 pixels a side, nothing for smaller ones; of large
