@@ -50,7 +50,8 @@ Json surface_json(const Surface& surface) {
             {"shear", surface.shear_px},
             {"lowest_px", surface.height_px(0)},
             {"highest_px", surface.height_px(highest)},
-            {"delit", surface.delit}};
+            {"delit", surface.delit},
+            {"ambient", surface.ambient}};
 }
 
 /// Subspaces by light (rows) and view; null where nothing was measured.

@@ -150,6 +150,7 @@ void print_summary(const ModelArguments& arguments, const BudgetedAnalysis& resu
                            {"shear", material.surface->shear_px},
                            {"tiles", material.surface->tiles.size()},
                            {"delit", material.surface->delit},
+                           {"ambient", material.surface->ambient},
                            {"shading_share", analysis.shading_share}};
     if (range) {
         json["surface"]["estimated_bytes"] = range->estimated_bytes;

@@ -204,6 +204,8 @@ std::string describe(const Material& material) {
         json.number(material.surface->cols);
         json.key("delit");
         json.literal(material.surface->delit ? "true" : "false");
+        json.key("ambient");
+        json.number(material.surface->ambient);
         json.close('}');
     } else {
         json.literal("null");

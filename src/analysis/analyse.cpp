@@ -154,7 +154,10 @@ class Reader {
         : measurement_(measurement), skip_bad_(skip_bad), executor_(executor) {}
 
     /// From now on images are divided by the shading of this surface, which outlives them.
-    void divide_by_shading_of(const RangeMap& surface) { surface_ = &surface; }
+    void divide_by_shading_of(const RangeMap& surface, float ambient) {
+        surface_ = &surface;
+        ambient_ = ambient;
+    }
 
     Result<std::vector<Image>> read(const std::vector<std::size_t>& observations,
                                     std::vector<std::string>& notes) const {
@@ -182,22 +185,25 @@ class Reader {
   private:
     Image delit(Image image, std::size_t observation) const {
         if (surface_ == nullptr) return image;
-        return divide_by_shading(window_on(*surface_, std::move(image)),
-                                 shading_of(measurement_.info(), observation, *surface_));
+        return divide_by_shading(
+            window_on(*surface_, std::move(image)),
+            with_ambient(shading_of(measurement_.info(), observation, *surface_),
+                         ambient_));
     }
 
     const Measurement& measurement_;
     bool skip_bad_;
     Executor& executor_;
     const RangeMap* surface_ = nullptr;
+    float ambient_ = 0;
 };
 
 /// How much of the representatives the shading of the surface explains. Photographs that
 /// are pooled show other places than the one that the surface was found in: nothing.
-double shading_share(const Measurement& measurement,
-                     const Representatives& representatives, const RangeMap& surface,
-                     Executor& executor) {
-    if (representatives.observations.front().size() > 1) return 0;
+ExplainedContrast explained_by_shading(const Measurement& measurement,
+                                       const Representatives& representatives,
+                                       const RangeMap& surface, Executor& executor) {
+    if (representatives.observations.front().size() > 1) return {};
     const std::size_t every = 1 + (representatives.observations.size() - 1) / kMostJudged;
     const std::size_t count = (representatives.observations.size() - 1) / every + 1;
     std::vector<ExplainedContrast> parts(count);
@@ -211,11 +217,8 @@ double shading_share(const Measurement& measurement,
                      static_cast<double>(representatives.members[k]));
     });
     ExplainedContrast all;
-    for (const ExplainedContrast& part : parts) {
-        all.explained += part.explained;
-        all.total += part.total;
-    }
-    return all.share();
+    for (const ExplainedContrast& part : parts) all.add(part);
+    return all;
 }
 
 /// The subspaces in order of how well their representatives see the material: from above and
@@ -323,12 +326,15 @@ Result<Analysis> analyse(const Measurement& measurement, const AnalysisOptions& 
     //    pattern would be drawn out of step with it. [CAR2] multiplies by it without.
     if (surface != nullptr) {
         material.surface = surface->surface;
-        result.shading_share =
-            shading_share(measurement, representatives, *surface, executor);
+        const ExplainedContrast contrast =
+            explained_by_shading(measurement, representatives, *surface, executor);
+        result.shading_share = contrast.share();
         material.surface->delit =
             options.paper || (!layer && result.shading_share >= kLeastShadingShare);
-        if (material.surface->delit && !options.paper)
-            reader.divide_by_shading_of(*surface);
+        if (material.surface->delit && !options.paper) {
+            material.surface->ambient = contrast.ambient();
+            reader.divide_by_shading_of(*surface, material.surface->ambient);
+        }
     }
 
     // 4. Factorise each representative and estimate its fields. The one that sees the

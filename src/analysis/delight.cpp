@@ -16,6 +16,8 @@ namespace {
 constexpr float kLeastHeight = 0.1F;
 constexpr int kMostSteps = 32;
 constexpr int kBisections = 4;
+// Of the mean: turned away from the lamp, or nearly.
+constexpr double kDark = 0.15;
 
 /// Bilinear in a plane that repeats its last pixels.
 float bilinear(PlaneView<const float> plane, float row, float col) {
@@ -112,6 +114,11 @@ Image shading_seen(const RangeMap& surface, Direction view, Direction light) {
     return shading;
 }
 
+Image with_ambient(Image shading, float ambient) {
+    for (float& s : shading.values()) s = (s + ambient) / (1 + ambient);
+    return shading;
+}
+
 Image divide_by_shading(Image image, const Image& shading) {
     assert(image.plane_size() == shading.plane_size());
     constexpr float kSquare = kShadingFloor * kShadingFloor;
@@ -130,25 +137,32 @@ Image divide_by_shading(Image image, const Image& shading) {
     return image;
 }
 
-void ExplainedContrast::add(const Image& image, const Image& shading, double weight) {
-    assert(image.plane_size() == shading.plane_size());
+void ExplainedContrast::add(const Image& image, const Image& of_surface, double weight) {
+    assert(image.plane_size() == of_surface.plane_size());
     double n = 0;
     double x = 0;
     double y = 0;
     double xx = 0;
     double yy = 0;
     double xy = 0;
+    double in_dark = 0;
+    double dark_x = 0;
+    double dark_y = 0;
     for (std::size_t r = 0; r < image.rows(); r += 2)
         for (std::size_t c = 0; c < image.cols(); c += 2) {
             const std::size_t i = r * image.cols() + c;
             const auto value = static_cast<double>(luminance(image, i));
-            const auto s = static_cast<double>(shading.values()[i]);
+            const auto s = static_cast<double>(of_surface.values()[i]);
             n += 1;
             x += s;
             y += value;
             xx += s * s;
             yy += value * value;
             xy += s * value;
+            if (s >= kDark) continue;
+            in_dark += 1;
+            dark_x += s;
+            dark_y += value;
         }
     const double variance_x = xx / n - x / n * (x / n);
     const double variance_y = yy / n - y / n * (y / n);
@@ -156,9 +170,30 @@ void ExplainedContrast::add(const Image& image, const Image& shading, double wei
     if (!(variance_y > 0) || !(y > 0)) return;
     const double contrast = weight * variance_y / (y / n * (y / n));
     total += contrast;
+    dark += weight * in_dark / n;
+    dark_image += weight * dark_y / n / (y / n);
+    dark_shading += weight * dark_x / n;
     // Bright where the surface is turned away explains nothing.
     if (variance_x > 0 && covariance > 0)
         explained += contrast * covariance * covariance / (variance_x * variance_y);
+}
+
+void ExplainedContrast::add(const ExplainedContrast& other) {
+    explained += other.explained;
+    total += other.total;
+    dark += other.dark;
+    dark_image += other.dark_image;
+    dark_shading += other.dark_shading;
+}
+
+float ExplainedContrast::ambient() const {
+    if (!(dark > 0)) return 0;
+    const double seen = dark_image / dark;
+    const double lit = dark_shading / dark;
+    if (seen <= lit) return 0;
+    constexpr auto kMost = static_cast<double>(kMaxAmbient);
+    return static_cast<float>(seen < 1 ? std::min(kMost, (seen - lit) / (1 - seen))
+                                       : kMost);
 }
 
 }  // namespace sateen

@@ -45,6 +45,9 @@ Result<void> validate(const Surface& surface) {
                           ", expected less than ", text(std::size_t{surface.cols}));
     SATEEN_CHECK(check_height("offset_px", surface.offset_px, -kMaxMagnitude));
     SATEEN_CHECK(check_height("scale_px", surface.scale_px, 0));
+    if (!(surface.ambient >= 0) || surface.ambient > kMaxAmbient)
+        return bad_format("surface.ambient: ", text(surface.ambient),
+                          ", expected 0 to 16");
     const std::size_t size = std::size_t{surface.rows} * surface.cols;
     SATEEN_CHECK(check_tile_count(surface.tiles.size(), size));
     for (const auto& tile : surface.tiles)

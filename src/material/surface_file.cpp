@@ -15,6 +15,7 @@ std::unique_ptr<schema::SurfaceT> pack_surface(const Surface& surface) {
     out->shear = static_cast<std::uint16_t>(surface.shear_px);
     out->tiles = static_cast<std::uint8_t>(surface.tiles.size());
     out->delit = surface.delit;
+    out->ambient = canonical(surface.ambient);
     out->offset = canonical(surface.offset_px);
     out->scale = canonical(surface.scale_px);
     for (const auto& tile : surface.tiles)
@@ -30,6 +31,7 @@ Result<Surface> unpack_surface(const schema::Surface& in) {
     out.offset_px = in.offset();
     out.scale_px = in.scale();
     out.delit = in.delit();
+    out.ambient = in.ambient();
     const std::size_t size = std::size_t{out.rows} * out.cols;
     SATEEN_CHECK(expect_at_most("surface.tiles", in.tiles(), kMaxSurfaceTiles));
     SATEEN_CHECK(expect_at_most("surface.low", in.tiles() * size, kMaxSurfaceValues));

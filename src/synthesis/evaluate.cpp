@@ -63,6 +63,10 @@ Result<Evaluator> Evaluator::create(const Material& material,
         out.self_shadow_ = options.self_shadow && options.relief != Relief::none;
         SATEEN_CHECK(out.take_surface(*material.surface, options.seed));
         if (options.relief == Relief::none) out.delit_ = false;
+        if (out.delit_) {
+            out.ambient_ = material.surface->ambient;
+            out.least_shading_ = out.ambient_ / (1 + out.ambient_);
+        }
         out.tabulate_shading();
     }
     return out;
@@ -99,10 +103,11 @@ float Evaluator::shaded(const std::array<float, 3>& view,
     const auto [x, y] = displaced(view, u, v);
     u = x;
     v = y;
-    if (self_shadow_ && is_shadowed(light, u, v)) return 0;
+    if (self_shadow_ && is_shadowed(light, u, v)) return least_shading_;
     if (!delit_) return 1;
     const std::array<float, 4> n = relief_at(u, v);
-    return scale * std::max(0.0F, n[0] * light[0] + n[1] * light[1] + n[2] * light[2]);
+    return scale * std::max(0.0F, n[0] * light[0] + n[1] * light[1] + n[2] * light[2]) +
+           least_shading_;
 }
 
 //     value_c = max(0, offset_c + gain_c (x_c s)^power),  x the blend, s the shading of mean 1

@@ -89,11 +89,34 @@ bool Evaluator::is_shadowed(const std::array<float, 3>& light, float u, float v)
     return false;
 }
 
+ShadingMoments Evaluator::moments_under(const std::array<float, 3>& light,
+                                        std::span<double> shading) const {
+    const std::size_t every = side_ * side_ / shading.size();
+    double sum = 0;
+    for (std::size_t i = 0; i < shading.size(); ++i) {
+        const float* n = relief_.data() + 4 * i * every;
+        shading[i] = static_cast<double>(
+            std::max(0.0F, n[0] * light[0] + n[1] * light[1] + n[2] * light[2]));
+        sum += shading[i];
+    }
+    const auto count = static_cast<double>(shading.size());
+    const double elsewhere = static_cast<double>(ambient_) * sum / count;
+    double squares = 0;
+    double roots = 0;
+    for (double& t : shading) {
+        t += elsewhere;
+        squares += t * t;
+        roots += std::sqrt(t);
+    }
+    return {static_cast<float>(sum / count + elsewhere),
+            static_cast<float>(squares / count), static_cast<float>(roots / count)};
+}
+
 void Evaluator::tabulate_shading() {
     if (!delit_) return;
-    // Every so many normals: a few thousand tell the moments to a percent.
+    // A few thousand normals tell the moments to a percent.
     constexpr std::size_t kNormals = 4096;
-    const std::size_t every = std::max<std::size_t>(1, side_ * side_ / kNormals);
+    std::vector<double> shading(std::min(kNormals, side_ * side_));
     moments_.resize(kMomentSide * kMomentSide);
     constexpr float kHalf = 0.5F * static_cast<float>(kMomentSide - 1);
     for (std::size_t r = 0; r < kMomentSide; ++r)
@@ -105,23 +128,8 @@ void Evaluator::tabulate_shading() {
             x /= out;
             y /= out;
             const float s = x * x + y * y;
-            const std::array<float, 3> l = {2 * x / (1 + s), 2 * y / (1 + s),
-                                            (1 - s) / (1 + s)};
-            double sum = 0;
-            double squares = 0;
-            double roots = 0;
-            double count = 0;
-            for (std::size_t i = 0; i < side_ * side_; i += every, ++count) {
-                const float* n = relief_.data() + 4 * i;
-                const auto shading = static_cast<double>(
-                    std::max(0.0F, n[0] * l[0] + n[1] * l[1] + n[2] * l[2]));
-                sum += shading;
-                squares += shading * shading;
-                roots += std::sqrt(shading);
-            }
-            moments_[r * kMomentSide + c] = {static_cast<float>(sum / count),
-                                             static_cast<float>(squares / count),
-                                             static_cast<float>(roots / count)};
+            moments_[r * kMomentSide + c] = moments_under(
+                {2 * x / (1 + s), 2 * y / (1 + s), (1 - s) / (1 + s)}, shading);
         }
 }
 

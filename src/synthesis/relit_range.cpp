@@ -97,18 +97,23 @@ void RelitRange::take_statistics(const Surface& surface) {
     Image white(1, window.rows, window.cols);
     std::fill(white.values().begin(), white.values().end(), 1.0F);
     SerialExecutor serial;
-    const Image lit = times(white, *height, false, serial);
+    Image lit = times(white, *height, false, serial);
+    const auto count = static_cast<double>(lit.plane_size());
+    double total = 0;
+    for (const float value : lit.values()) total += static_cast<double>(value);
+    const double lamp = std::max(static_cast<double>(kLeastMean), total / count);
+    scale_ = static_cast<float>(1 / lamp) / (1 + surface.ambient);
+    floor_ = surface.ambient / (1 + surface.ambient);
     double sum = 0;
     double squares = 0;
     double roots = 0;
-    for (const float value : lit.values()) {
+    for (float& value : lit.values()) {
+        value = scale_ * value + floor_;
         sum += static_cast<double>(value);
         squares += static_cast<double>(value) * static_cast<double>(value);
         roots += std::sqrt(static_cast<double>(value));
     }
-    const auto count = static_cast<double>(lit.plane_size());
     const double mean = std::max(static_cast<double>(kLeastMean), sum / count);
-    scale_ = static_cast<float>(1 / mean);
     shape_.square =
         static_cast<float>(std::log(std::max(1.0, squares / count / (mean * mean))));
     const double root = roots / count / std::sqrt(mean);
@@ -143,7 +148,8 @@ Image RelitRange::times(const Image& texture, const Image& height_px, bool torus
                                      lowest_, highest_, kViewSteps, kBisections)
                     : 0;
             const Taps taps = taps_at(z);
-            const float s = scale_ * std::max(0.0F, taps.of(std::as_const(lit).plane(0)));
+            const float s =
+                scale_ * std::max(0.0F, taps.of(std::as_const(lit).plane(0))) + floor_;
             for (std::size_t b = 0; b < out.bands(); ++b)
                 out(b, r, c) = s * taps.of(texture.plane(b));
         }

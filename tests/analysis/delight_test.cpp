@@ -123,6 +123,30 @@ TEST(Delight, FollowsTheRaysOfSight) {
     EXPECT_LT(test::correlation(shading_seen(range, {}, light), expected), 0.94);
 }
 
+TEST(Delight, LightFromElsewhereIsSeenWhereTheLampIsNot) {
+    const test::Relief relief = test::cosine_relief(64, 64, 6, 1.2, 3);
+    const Direction light = direction_from_degrees(65, 40);
+    const Image shading = shading_seen(range_of(relief), {}, light);
+    const Image albedo = test::mottled_albedo(3, 64, 64, 5);
+    const auto found = [&](float ambient) {
+        Image lit = albedo;
+        const Image all = with_ambient(shading, ambient);
+        for (std::size_t band = 0; band < 3; ++band)
+            for (std::size_t i = 0; i < lit.plane_size(); ++i)
+                lit.plane(band).data[i] *= all.values()[i];
+        ExplainedContrast contrast;
+        contrast.add(lit, shading, 2);
+        EXPECT_GT(contrast.dark, 0.1);
+        return contrast.ambient();
+    };
+    // Mottles of the albedo, over a few hundred dark pixels.
+    for (const float ambient : {0.0F, 0.1F, 0.4F, 1.0F})
+        EXPECT_NEAR(found(ambient), ambient, 0.02F + 0.1F * ambient);
+    EXPECT_EQ(ExplainedContrast().ambient(), 0);
+    // Mean 1 stays mean 1.
+    EXPECT_NEAR(mean_of(with_ambient(shading, 3)), 1, 1e-5);
+}
+
 TEST(Delight, TellsShadingFromPrint) {
     const test::Relief relief = test::cosine_relief(64, 64, 6, 0.5, 3);
     const Direction light = direction_from_degrees(45, 70);

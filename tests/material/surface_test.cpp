@@ -92,6 +92,17 @@ TEST(QuantiseSurface, RefusesWhatNoSurfaceHolds) {
     EXPECT_FALSE(quantise_surface({&sizes[0], 1}, 1, 2)) << "sheared by a whole tile";
 }
 
+TEST(ValidateSurface, AmbientIsBounded) {
+    Surface surface = test::random_surface();
+    EXPECT_TRUE(validate(surface));
+    for (const float wrong : {-0.1F, 16.5F, std::numeric_limits<float>::quiet_NaN()}) {
+        surface.ambient = wrong;
+        const auto checked = validate(surface);
+        ASSERT_FALSE(checked);
+        EXPECT_NE(checked.error().message.find("surface.ambient"), std::string::npos);
+    }
+}
+
 TEST(TileAt, IsTheSameInEveryRunAndOnEveryPlatform) {
     const std::array<std::size_t, 8> expected = {
         tile_at(0, 0, 0, 4),

@@ -86,7 +86,7 @@ inline Material golden_incomplete() {
 inline Material golden_surface() {
     Material m = golden_photograph();
     m.provenance.name = "surface";
-    m.surface = Surface{3, 4, 1, -0.5F, 1.0F / 1024, true, {}};
+    m.surface = Surface{3, 4, 1, -0.5F, 1.0F / 1024, true, 0, {}};
     for (const int step : {5461, 40503}) {
         auto& tile = m.surface->tiles.emplace_back();
         for (int i = 0; i < 12; ++i)

@@ -457,6 +457,7 @@ Material ridged() {
     const std::vector<Image> tiles = {tile};
     m.surface = *quantise_surface(tiles, 0.001F);
     m.surface->delit = true;
+    m.surface->ambient = 0.1F;
     return m;
 }
 
@@ -482,6 +483,27 @@ TEST(Evaluate, RidgesShowLitFromTheSideAndNotAlong) {
     // Slopes that face a light from +x are on the side of falling heights.
     const auto lit = e.prepare(at(0, 0), at(45, 0));
     EXPECT_GT(e.sample(lit, 8.0F / 64, 0.5F)[0], e.sample(lit, 0.0F, 0.5F)[0]);
+}
+
+TEST(Evaluate, WhatTheLampDoesNotReachIsLitFromElsewhere) {
+    Material m = ridged();
+    m.reflectance.reset();
+    EvaluatorOptions options{.side = 64};
+    options.relief = Relief::marched;
+    options.self_shadow = true;
+    const auto darkest = [&](float ambient) {
+        m.surface->ambient = ambient;
+        const Evaluator e = evaluator_of(m, options);
+        const auto lit = e.prepare(at(0, 0), at(80, 0));
+        float least = 1;
+        for (int i = 0; i < 64; ++i)
+            least = std::min(least, e.sample(lit, static_cast<float>(i) / 64, 0.5F)[0]);
+        return least /
+               static_cast<float>(moments_over_texture(e, at(0, 0), at(80, 0)).mean);
+    };
+    // The texture varies by less than a tenth; cast shadows take a part of the mean.
+    EXPECT_EQ(darkest(0), 0);
+    EXPECT_NEAR(darkest(0.25F), 0.25 / 1.25, 0.06);
 }
 
 TEST(Evaluate, MarchingFindsThePointUnderTheRay) {

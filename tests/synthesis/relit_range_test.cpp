@@ -30,6 +30,7 @@ Material material_with_relief(double slope) {
     EXPECT_TRUE(surface);
     m.surface = std::move(*surface);
     m.surface->delit = true;
+    m.surface->ambient = 0.1F;
     return m;
 }
 

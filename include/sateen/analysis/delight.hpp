@@ -19,6 +19,9 @@ namespace sateen {
 [[nodiscard]] Image shading_seen(const RangeMap& surface, Direction view,
                                  Direction light);
 
+/// The shading with light from elsewhere, (s + a) / (1 + a); see Surface::ambient.
+[[nodiscard]] Image with_ambient(Image shading, float ambient);
+
 /// Divides the shading out of an image, softly: the value q of least squares that explains
 /// the image I = s q and stays near its mean m where s is small,
 ///
@@ -34,10 +37,24 @@ inline constexpr float kShadingFloor = 0.2F;
 struct ExplainedContrast {
     double explained = 0;  ///< Σ weight · correlation² · (deviation / mean)²
     double total = 0;      ///< Σ weight · (deviation / mean)²
+    /// Where the shading is below kDark: how much there is, and Σ of image / mean and of the
+    /// shading there.
+    double dark = 0;
+    double dark_image = 0;
+    double dark_shading = 0;
 
     /// Adds an image; every other pixel is looked at along rows and columns.
-    void add(const Image& image, const Image& shading, double weight);
+    void add(const Image& image, const Image& of_surface, double weight);
+    void add(const ExplainedContrast& other);
     [[nodiscard]] double share() const { return total > 0 ? explained / total : 0; }
+    /// The light from elsewhere: images are as bright where the lamp hardly reaches as it
+    /// makes them,
+    ///
+    ///     E[image / mean | s < kDark] = (E[s | s < kDark] + a) / (1 + a),
+    ///
+    /// other parts of the surface, gloss, and slopes that were found too steep. 0 to
+    /// kMaxAmbient; 0 without dark places.
+    [[nodiscard]] float ambient() const;
 };
 
 /// From this share on the images are divided by the shading of their surface.

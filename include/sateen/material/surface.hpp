@@ -19,6 +19,8 @@ inline constexpr std::size_t kMaxSurfaceTiles = 8;
 inline constexpr std::uint32_t kMaxSurfaceSide = 2048;
 /// Height values of all tiles together.
 inline constexpr std::size_t kMaxSurfaceValues = std::size_t{1} << 21U;
+/// Light from elsewhere, of the lamp's.
+inline constexpr float kMaxAmbient = 16;
 
 /// Tiles of the range map, in pixels of the measurement. They are fundamental domains of the
 /// lattice spanned by (row, column) steps
@@ -38,6 +40,9 @@ struct Surface {
     /// The smooth texture was fitted to images divided by the shading of this surface, and
     /// is to be multiplied by it.
     bool delit = false;
+    /// Light that reaches the surface from elsewhere, and does not shade it, over that of the
+    /// lamp: its shading is s = (d + ambient) / (1 + ambient), d = max(0, n·l) / mean.
+    float ambient = 0;
     std::vector<std::vector<std::uint16_t>> tiles;  ///< (rows, cols) row-major each
     friend bool operator==(const Surface&, const Surface&) = default;
 

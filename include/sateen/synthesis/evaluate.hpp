@@ -44,7 +44,8 @@ struct ShadingPoint {
     std::array<float, 3> light = {0, 0, 1};  ///< unit vector towards the light
 };
 
-/// Means over the surface of max(0, n·l), its square and its square root, by light.
+/// Means over the surface of t = max(0, n·l) + a mean max(0, n·l), its square and its square
+/// root, by light; a = Surface::ambient.
 struct ShadingMoments {
     float mean = 1;
     float mean_square = 1;
@@ -70,7 +71,7 @@ class Evaluator {
         Blend blend;
         std::array<float, 3> view = {};
         std::array<float, 3> light = {};
-        float shading_scale = 1;  ///< 1 / mean of max(0, n·l)
+        float shading_scale = 1;  ///< 1 / mean of t
     };
     [[nodiscard]] Directional prepare(const std::array<float, 3>& view,
                                       const std::array<float, 3>& light) const;
@@ -107,6 +108,9 @@ class Evaluator {
     explicit Evaluator(DirectionalInterpolation interpolation)
         : interpolation_(std::move(interpolation)) {}
     Result<void> take_surface(const Surface& surface, std::uint64_t seed);
+    /// \param shading  room for t at as many normals
+    [[nodiscard]] ShadingMoments moments_under(const std::array<float, 3>& light,
+                                               std::span<double> shading) const;
     void tabulate_shading();
     void evaluate_batch(std::span<const ShadingPoint> points,
                         std::span<std::array<float, 3>> out) const;
@@ -132,6 +136,8 @@ class Evaluator {
     Relief mode_ = Relief::none;
     bool self_shadow_ = false;
     std::vector<ShadingMoments> moments_;
+    float ambient_ = 0;
+    float least_shading_ = 0;  ///< a / (1 + a): of what the lamp does not reach
 };
 
 }  // namespace sateen

@@ -16,8 +16,9 @@ namespace sateen {
 
 /// The range map of a material as a view sees it under a light,
 ///
-///     s(x) = max(0, n(x')·l) / mean,   x' where the ray of sight through x meets the surface
+///     s(x) = (max(0, n(x')·l) / mean + a) / (1 + a),
 ///
+/// a = Surface::ambient, x' where the ray of sight through x meets the surface
 /// [CAR2, section III]. What Evaluator does at a point with Relief::marched, for whole
 /// windows.
 class RelitRange {
@@ -46,7 +47,8 @@ class RelitRange {
     float rows_per_z_ = 0;
     float lowest_ = 0;
     float highest_ = 0;
-    float scale_ = 1;  // 1 / mean of max(0, n·l)
+    float scale_ = 1;  // 1 / (1 + a) over the mean of max(0, n·l)
+    float floor_ = 0;  // a / (1 + a)
     FactorShape shape_;
     bool displaces_ = false;
     std::size_t margin_ = 1;

@@ -47,7 +47,7 @@ export interface Description {
   /** Its table of cells, and B⁻¹ by rows: (row, column) in pixels to phases. */
   pattern: { rows: number; cols: number; inverse: number[] } | null;
   /** A tile of the range map. */
-  surface: { rows: number; cols: number; delit: boolean } | null;
+  surface: { rows: number; cols: number; delit: boolean; ambient: number } | null;
 }
 
 /** A description with what a shader interpolates by. */
