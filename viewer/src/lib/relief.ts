@@ -16,12 +16,13 @@ export class ReliefTextures {
   readonly surface: DataTexture;
   /** The same for a search along a ray. */
   readonly heights: DataTexture;
-  /** E s of s = max(0, N·l), C_s, h_s over the surface: shading_moments() of sateen.glsl. */
+  /** E t of t = max(0, N·l) + a E max(0, N·l), C_t, h_t over the surface: shading_moments() of sateen.glsl. */
   readonly moments: DataTexture;
   readonly range: [number, number] = [Infinity, -Infinity];
   private readonly normals: Float32Array;
 
-  constructor(heights: Float32Array, readonly rows: number, readonly cols: number) {
+  /** @param ambient  a: light from elsewhere over that of the lamp */
+  constructor(heights: Float32Array, readonly rows: number, readonly cols: number, readonly ambient: number) {
     const data = new Uint8Array(4 * rows * cols);
     for (const z of heights) {
       if (z < this.range[0]) this.range[0] = z;
@@ -64,6 +65,7 @@ export class ReliefTextures {
       const length = Math.hypot(scale * n[i]!, scale * n[i + 1]!, n[i + 2]!);
       n.set([(scale * n[i]!) / length, (scale * n[i + 1]!) / length, n[i + 2]! / length], i);
     }
+    const shading = new Float64Array(n.length / 3);
     const middle = (MOMENT_SIDE - 1) / 2;
     for (let row = 0; row < MOMENT_SIDE; ++row)
       for (let col = 0; col < MOMENT_SIDE; ++col) {
@@ -73,16 +75,20 @@ export class ReliefTextures {
         [x, y] = [x / out, y / out];
         const s = x * x + y * y;
         const [lx, ly, lz] = [(2 * x) / (1 + s), (2 * y) / (1 + s), (1 - s) / (1 + s)];
-        let [sum, squares, roots] = [0, 0, 0];
-        for (let i = 0; i < n.length; i += 3) {
-          const shading = Math.max(0, n[i]! * lx + n[i + 1]! * ly + n[i + 2]! * lz);
-          sum += shading;
-          squares += shading * shading;
-          roots += Math.sqrt(shading);
+        const count = n.length / 3;
+        let lamp = 0;
+        for (let i = 0; i < count; ++i) {
+          shading[i] = Math.max(0, n[3 * i]! * lx + n[3 * i + 1]! * ly + n[3 * i + 2]! * lz);
+          lamp += shading[i]! / count;
+        }
+        let [squares, roots] = [0, 0];
+        for (const d of shading) {
+          const t = d + this.ambient * lamp;
+          squares += t * t;
+          roots += Math.sqrt(t);
         }
         const at = 4 * (row * MOMENT_SIDE + col);
-        const count = n.length / 3;
-        const mean = Math.max(sum / count, 1e-4);
+        const mean = Math.max(lamp * (1 + this.ambient), 1e-4);
         texels[at] = DataUtils.toHalfFloat(mean);
         texels[at + 1] = DataUtils.toHalfFloat(Math.log(Math.max(1, squares / count / (mean * mean))));
         texels[at + 2] = DataUtils.toHalfFloat(Math.max(0, -8 * Math.log(Math.max(roots / count, 1e-4) / Math.sqrt(mean))));

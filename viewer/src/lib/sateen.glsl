@@ -38,7 +38,8 @@ uniform sampler2D pairs;        // of every pair, lights outermost: e of the ban
 uniform float contrastScale;    // of the latter
 uniform sampler2D surface;      // (N + 1) / 2 of the unit normal, height from smallest to largest; a torus
 uniform sampler2D heights;      // the same with the nearest level alone
-uniform sampler2D moments;      // by l, over the surface: E s of s = max(0, N·l), C_s, h_s
+uniform sampler2D moments;      // by l, over the surface: E t of t = max(0, N·l) + a E max(0, N·l), C_t, h_t
+uniform float leastShading;     // a / (1 + a): light from elsewhere, where the lamp does not reach
 uniform sampler2D cells0;       // mean of t of the components by the pattern's phase
 uniform sampler2D cells1;
 uniform sampler2D cells2;
@@ -320,7 +321,7 @@ float lit(vec3 N, vec3 light, float level) {
     return 0.5 * (mean + sqrt(mean * mean + spread * 0.63661977));
 }
 
-// E s, C_s = ln(E s² / (E s)²), h_s = -8 ln(E √s / √E s).
+// E t, C_s = ln(E t² / (E t)²), h_s = -8 ln(E √t / √E t).
 vec3 shading_moments(vec3 light) {
     vec2 at = (light.xy / (1.0 + max(light.z, 0.0)) * 0.5 + 0.5) * float(MOMENT_SIDE - 1) + 0.5;
     return textureLod(moments, at / float(MOMENT_SIDE), 0.0).xyz;
@@ -585,6 +586,9 @@ vec3 sateen_radiance() {
             h_s = mean.z;
 #endif
             s *= shadow;
+#ifdef DELIT
+            s += leastShading;
+#endif
         }
 #endif
         if (viewMode == VIEW_RELIEF) {

@@ -70,7 +70,8 @@ async function drawRelief(source: Material, options: SateenMaterialOptions): Pro
   const { tile = TILE, seed = 0n, repeat = false, signal } = options;
   const side = (length: number): number => length * Math.max(1, Math.round(SURFACE_SIDE / length));
   const [rows, cols] = repeat ? [tile, tile] : [side(surface.rows), side(surface.cols)];
-  const relief = new ReliefTextures(await source.range({ rows, cols, seed }, signal), rows, cols);
+  const ambient = surface.delit ? surface.ambient : 0;
+  const relief = new ReliefTextures(await source.range({ rows, cols, seed }, signal), rows, cols, ambient);
   if (relief.range[1] > relief.range[0]) return relief;
   relief.dispose();
   return undefined;
@@ -160,6 +161,7 @@ export class SateenMaterial extends ShaderMaterial {
         warp: { value: new Vector4(...(pattern && !repeat ? warpOf(pattern.inverse, inverse) : [1, 0, 0, 1])) },
         cellLevel: { value: Math.log2(cellTexels) },
         surfaceSize: { value: new Vector2(relief?.cols ?? 1, relief?.rows ?? 1) },
+        leastShading: { value: relief ? relief.ambient / (1 + relief.ambient) : 0 },
         heightRange: { value: new Vector2(...(relief?.range ?? [0, 0])) },
         relief: { value: 1 },
         marched: { value: true },
