@@ -73,6 +73,7 @@ Result<Representatives> choose_representatives(const Measurement& measurement,
     segmentation.skip_bad = options.skip_bad;
     if (options.paper) {
         segmentation.orientation_weight = 0;
+        segmentation.side_weight = 0;
         segmentation.grazing_penalty = 0;
     }
     SATEEN_TRY(Segmentation segments,

@@ -85,19 +85,44 @@ Result<void> check(const SegmentationOptions& options, std::size_t images) {
         return out_of_range("restarts", "1 to 1000");
     if (!(options.orientation_weight >= 0 && std::isfinite(options.orientation_weight)))
         return out_of_range("orientation_weight", "a number not below 0");
+    if (!(options.side_weight >= 0 && std::isfinite(options.side_weight)))
+        return out_of_range("side_weight", "a number not below 0");
     if (!(options.grazing_penalty >= 0 && std::isfinite(options.grazing_penalty)))
         return out_of_range("grazing_penalty", "a number not below 0");
     return {};
 }
 
-Features make_features(std::span<const Summary> summaries,
-                       std::span<const std::size_t> readable, double orientation_weight) {
+/// The light of an observation across the columns and up the rows, 0 where it is unknown.
+std::array<double, 2> light_across(const MeasurementInfo& info, std::size_t observation) {
+    const std::uint32_t light = info.observations[observation].light;
+    if (light >= info.lights.size()) return {0, 0};
+    const auto l = to_vector(info.lights[light]);
+    return {static_cast<double>(l[0]), static_cast<double>(l[1])};
+}
+
+/// Contrast along the columns, number 0, or along the rows, number 2, as a root.
+double contrast_along(const Summary& summary, std::size_t axis) {
+    return std::sqrt(summary.contrast[2 * axis]);
+}
+
+Features make_features(std::span<const Summary> summaries, const MeasurementInfo& info,
+                       std::span<const std::size_t> readable,
+                       const SegmentationOptions& options) {
+    const double orientation_weight = options.orientation_weight;
     std::vector<ColourHistogram> histograms;
     for (const std::size_t i : readable) histograms.push_back(summaries[i].colour);
     const FeatureGrid grid = common_grid(histograms);
     const std::size_t oriented =
         orientation_weight > 0 ? std::tuple_size_v<OrientedContrast> : 0;
-    Features features(readable.size(), kColourFeatures + oriented);
+    const std::size_t sided = options.side_weight > 0 && oriented > 0 ? 2 : 0;
+    Features features(readable.size(), kColourFeatures + oriented + sided);
+    // What the image that shows least of it has is there without any light from the side.
+    std::array<double, 2> least = {};
+    for (std::size_t k = 0; k < sided; ++k) {
+        least[k] = contrast_along(summaries[readable.front()], k);
+        for (const std::size_t i : readable)
+            least[k] = std::min(least[k], contrast_along(summaries[i], k));
+    }
     for (std::size_t row = 0; row < readable.size(); ++row) {
         double* f = features.row(static_cast<Eigen::Index>(row)).data();
         cumulative_feature(histograms[row], grid,
@@ -111,6 +136,11 @@ Features make_features(std::span<const Summary> summaries,
             const double root = std::sqrt(summaries[readable[row]].contrast[k]);
             f[kColourFeatures + k] = orientation_weight * (root - mean);
         }
+        const std::array<double, 2> light = light_across(info, readable[row]);
+        for (std::size_t k = 0; k < sided; ++k)
+            f[kColourFeatures + oriented + k] =
+                options.side_weight * light[k] *
+                (contrast_along(summaries[readable[row]], k) - least[k]);
     }
     return features;
 }
@@ -283,7 +313,7 @@ Result<Segmentation> segment(const Measurement& measurement,
         return Error{Errc::bad_format, "no image of the measurement holds any pixels"};
 
     // 2. Cluster them by their features.
-    Features features = make_features(summaries, readable, options.orientation_weight);
+    Features features = make_features(summaries, info, readable, options);
     features.rowwise() -= features.colwise().mean().eval();
     Reduced reduced = reduce(features);
     Clustering clustering = cluster(features, reduced, options, executor);

@@ -30,7 +30,8 @@ using Painter = std::function<Image(std::size_t)>;
 // `views` x `lights` images, in order of (light, view).
 class PaintedMeasurement final : public Measurement {
   public:
-    PaintedMeasurement(std::size_t lights, std::size_t views, Painter paint)
+    PaintedMeasurement(std::size_t lights, std::size_t views, Painter paint,
+                       float degrees_between_lights = 1)
         : paint_(std::move(paint)) {
         info_.bands = 3;
         info_.rows = info_.cols = kSize;
@@ -40,7 +41,8 @@ class PaintedMeasurement final : public Measurement {
                     static_cast<float>(std::max(views, std::size_t{2}) - 1),
                 0.0F));
         for (std::size_t l = 0; l < lights; ++l) {
-            info_.lights.push_back(direction_from_degrees(30.0F, static_cast<float>(l)));
+            info_.lights.push_back(direction_from_degrees(
+                30.0F, degrees_between_lights * static_cast<float>(l)));
             for (std::size_t v = 0; v < views; ++v)
                 info_.observations.push_back({static_cast<std::uint32_t>(v),
                                               static_cast<std::uint32_t>(l),
@@ -238,6 +240,29 @@ TEST(Segment, TellsTheDirectionOfStripesByTheirOrientedContrastAlone) {
     EXPECT_TRUE(mixed(run(measurement, {.subspaces = 2, .orientation_weight = 0})));
 }
 
+TEST(Segment, TellsTheSideThatContrastIsLitFrom) {
+    // Ribs lit from φ = 0 and 180°: one picture, but its bright sides are the other's dark
+    // ones. Half of the views do not see the ribs.
+    const auto ribs = [](bool along_rows) {
+        return PaintedMeasurement(
+            2, 10,
+            [=](std::size_t i) {
+                return i % 2 == 0 ? stripes(i, along_rows) : grain(i, 0.25F);
+            },
+            180);
+    };
+    const auto sides_mixed = [](const Segmentation& found) {
+        std::set<std::pair<bool, int>> seen;
+        for (std::size_t i = 0; i < found.labels.size(); i += 2)
+            seen.insert({i < 10, found.labels[i]});
+        return seen.size() != 2 || seen.begin()->second == seen.rbegin()->second;
+    };
+    EXPECT_FALSE(sides_mixed(run(ribs(false), {.subspaces = 3})));
+    EXPECT_TRUE(sides_mixed(run(ribs(false), {.subspaces = 3, .side_weight = 0})));
+    // Of ribs along the light no side is lit.
+    EXPECT_TRUE(sides_mixed(run(ribs(true), {.subspaces = 3})));
+}
+
 TEST(Segment, PrefersAViewFromAboveAmongMembersThatFitAlike) {
     // View 4 of 5 is at 75°; lights bring different grain, the level lies in the middle
     // for the grazing view alone.
@@ -281,6 +306,7 @@ TEST(Segment, NamesTheOptionThatIsOutOfRange) {
         {"share", {.share = 0}},
         {"restarts", {.restarts = 0}},
         {"orientation_weight", {.orientation_weight = -1}},
+        {"side_weight", {.side_weight = -1}},
         {"grazing_penalty",
          {.grazing_penalty = std::numeric_limits<double>::quiet_NaN()}}};
     for (const auto& [name, options] : wrong) {

@@ -27,6 +27,9 @@ struct SegmentationOptions {
     /// Weight of the anisotropy of contrast beside the colour histograms, ≥ 0. Without it,
     /// images lit from φ and φ + 90° fall into one subspace; [CAR2] and [SAR] have 0.
     double orientation_weight = 6;
+    /// Weight of the side that contrast is lit from, ≥ 0. Without it, images lit from φ and φ + 180°
+    /// fall into one subspace, and where a pattern is lit its blends with others cancel.
+    double side_weight = 1;
     /// How much a grazing view counts against an image as representative, ≥ 0; 0 in
     /// [CAR2].
     double grazing_penalty = 1;
