@@ -82,6 +82,9 @@ Result<std::vector<std::string>> write_folder(const ExportArguments& arguments,
 }
 
 Result<void> run_export(const ExportArguments& arguments) {
+    if (arguments.output.empty())
+        return Error{Errc::invalid_argument,
+                     "--output: is empty, expected a file or a folder"};
     SATEEN_TRY(const Material material, load_material(arguments.material));
     const std::string kind = lower_extension(arguments.output);
     std::vector<std::string> written = {arguments.output};

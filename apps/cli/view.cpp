@@ -42,6 +42,14 @@ Error socket_error(const char* what) {
     return {Errc::io, fmt::format("{}: {}", what, std::strerror(errno))};
 }
 
+Error port_error(std::uint16_t port) {
+    if (errno == EADDRINUSE)
+        return {Errc::io, fmt::format("--port: another program has {}, expected a free "
+                                      "port, or 0 for any",
+                                      port)};
+    return socket_error(fmt::format("cannot serve on port {}", port).c_str());
+}
+
 /// A file descriptor that is closed in the end.
 class Descriptor {
   public:
@@ -79,7 +87,7 @@ class Server {
         socklen_t size = sizeof address;
         auto* const generic = reinterpret_cast<sockaddr*>(&address);
         if (bind(listener.get(), generic, size) != 0 || listen(listener.get(), 16) != 0)
-            return socket_error(fmt::format("cannot serve on port {}", port).c_str());
+            return port_error(port);
         getsockname(listener.get(), generic, &size);
         return Server(std::move(listener), ntohs(address.sin_port), std::move(pages));
     }

@@ -8,6 +8,7 @@ import pathlib
 import re
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 import unittest
@@ -118,6 +119,8 @@ class Maps(CliTest):
         self.refuse("export", "m.sateen", "-o", "m.gltf", names=[".glb"])
         self.refuse("export", "m.sateen", "-o", "photo.png/maps", names="photo.png")
         self.refuse("export", "m.sateen", "-o", "m.glb", "--size", "9000", names="8192", code=2)
+        self.refuse("export", "m.sateen", "-o", "", names="--output")
+        self.refuse("export", "m.sateen", "-o", "none/m.glb", "--size", "16", names="none/m.glb")
         self.assertEqual(self.leftovers(), [])
 
 
@@ -152,6 +155,14 @@ class Page(CliTest):
         held = re.search('id="sateen-material" data-name="([^"]*)">([^<]*)</script>', page)
         self.assertEqual(base64.b64decode(held[2]), (self.folder / "m.sateen").read_bytes())
         self.assertEqual(held[1], "photo")
+
+    def test_a_port_in_use_is_named(self):
+        self.file("share/sateen/viewer.html", PAGE.encode())
+        with socket.create_server(("127.0.0.1", 0)) as other:
+            port = str(other.getsockname()[1])
+            outcome = self.run_own("view", "m.sateen", "--no-open", "--port", port)
+        self.assertEqual(outcome.returncode, 1)
+        self.assertIn(f"--port: another program has {port}", outcome.stderr.decode())
 
     def test_view_serves_the_page_and_the_material_and_nothing_else(self):
         self.file("share/sateen/viewer.html", PAGE.encode())

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The package `sateen` as another project has it: the example page with the built library.
 import assert from 'node:assert/strict';
-import { existsSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { closeWatched, launch, PATIENCE, pixelsOf, serve, watchedPage } from './browser.mjs';
-import { photographMaterial, ROOT, scratch, wovenMaterial } from './support.mjs';
+import { bumpyMaterial, photographMaterial, ROOT, sateen, scratch, wovenMaterial } from './support.mjs';
 
 const folder = scratch(after);
 let browser;
@@ -15,7 +15,9 @@ let server;
 before(async () => {
   const material = photographMaterial(folder);
   const woven = wovenMaterial(folder);
-  const files = { '/example/material.sateen': material, '/example/woven.sateen': woven };
+  const baked = join(folder, 'bumpy.glb');
+  sateen('export', bumpyMaterial(folder), '-o', baked, '--size', '64x48');
+  const files = { '/example/material.sateen': material, '/example/woven.sateen': woven, '/example/bumpy.glb': baked };
   server = await serve((path) => files[path] ?? join(ROOT, 'viewer', path));
   browser = await launch();
 }, { timeout: PATIENCE });
@@ -27,6 +29,56 @@ after(async () => {
 test('the package has its declarations', () => {
   for (const name of ['sateen.js', 'index.d.ts', 'sateen_material.d.ts'])
     assert.ok(existsSync(join(ROOT, 'viewer/dist/lib', name)), name);
+});
+
+test('no package asks for more than the Node of Debian 12', () => {
+  const { packages } = JSON.parse(readFileSync(join(ROOT, 'viewer/package-lock.json'), 'utf8'));
+  // Of ranges such as "^18.0.0 || >=20" one has to take 18: what "<", "-" and spaces would say does not occur.
+  const takes18 = (range) => range.split('||').some((part) => {
+    const [, sign, major] = /^(>=|\^)(\d+)(?:\.\d+)*$/.exec(part.trim()) ?? assert.fail(`cannot read "${range}"`);
+    return sign === '^' ? Number(major) === 18 : Number(major) <= 18;
+  });
+  const tooNew = Object.entries(packages).filter(([, { engines }]) => engines?.node && !takes18(engines.node));
+  assert.deepEqual(tooNew.map(([name, { engines }]) => `${name}: ${engines.node}`), []);
+});
+
+test('the baked glTF opens in the loader of three.js with its three maps', { timeout: PATIENCE }, async () => {
+  const watched = await watchedPage(browser, { viewport: { width: 200, height: 120 } });
+  await watched.page.goto(`${server.origin}/example/index.html`);
+  await watched.page.waitForFunction(() => document.body.dataset.drawn === 'true');
+  const { count, maps, roughness } = await watched.page.evaluate(async () => {
+    const { GLTFLoader } = await import('../node_modules/three/examples/jsm/loaders/GLTFLoader.js');
+    const { scene } = await new GLTFLoader().loadAsync('bumpy.glb');
+    const meshes = [];
+    scene.traverse((object) => object.isMesh && meshes.push(object));
+    const { material } = meshes[0];
+    /** Size, and the means of red, green and blue. */
+    const measure = ({ image, colorSpace }) => {
+      const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+      context.drawImage(image, 0, 0);
+      const { data } = context.getImageData(0, 0, image.width, image.height);
+      const mean = [0, 1, 2].map((c) => data.reduce((sum, x, i) => sum + (i % 4 === c ? x : 0), 0) / (data.length / 4));
+      return { width: image.width, height: image.height, colorSpace, mean };
+    };
+    const uses = { colour: material.map, normal: material.normalMap, roughness: material.roughnessMap };
+    return {
+      count: meshes.length, roughness: material.roughness,
+      maps: Object.fromEntries(Object.entries(uses).map(([use, map]) => [use, map && measure(map)])),
+    };
+  });
+  assert.equal(count, 1);
+  assert.equal(roughness, 1);
+  for (const [use, map] of Object.entries(maps)) {
+    assert.ok(map, `no map of ${use}`);
+    assert.deepEqual([map.width, map.height], [64, 48], use);
+  }
+  assert.equal(maps.colour.colorSpace, 'srgb');
+  const [red, , blue] = maps.colour.mean;
+  assert.ok(red > blue + 10, `a warm material of colour ${maps.colour.mean}`);
+  const [x, y, z] = maps.normal.mean;
+  assert.ok(Math.abs(x - 127.5) < 12 && Math.abs(y - 127.5) < 12 && z > 180, `normals of mean ${maps.normal.mean}`);
+  assert.ok(maps.roughness.mean[1] > 25, `roughness of mean ${maps.roughness.mean}`);
+  await closeWatched(watched, server.origin);
 });
 
 test('the example draws two meshes of the material, and one of three.js, under a lamp that moves',

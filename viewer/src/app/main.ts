@@ -67,6 +67,7 @@ async function open(source: string | Blob | Uint8Array, name: string, compare = 
     loaded = await loadMaterial(source);
     const material = await SateenMaterial.create(loaded, {
       tile: TILE, repeat: REFERENCE !== null, anisotropy: stage.anisotropy, onProgress: showProgress, signal,
+      prepare: (coming) => stage.prepare(coming),
     });
     const next = { name: loaded.description.name || name, bytes: loaded.bytes, material };
     const slot = compare ? 'other' : 'main';

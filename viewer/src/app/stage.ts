@@ -250,6 +250,22 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
   }
 
+  /** Compiles a material for this scene while the page goes on. */
+  async prepare(material: ShaderMaterial): Promise<void> {
+    material.side = DoubleSide;
+    const mesh = new Mesh(new PlaneGeometry(), material);
+    if (this.renderer.extensions.has('KHR_parallel_shader_compile'))
+      await this.renderer.compileAsync(mesh, this.camera, this.scene);
+    // A renderer in software compiles again at the first draw with it: that of one pixel in the corner.
+    this.scene.add(mesh);
+    this.renderer.setScissorTest(true);
+    this.renderer.setScissor(0, 0, 1, 1);
+    this.renderer.render(this.scene, this.camera);
+    this.renderer.setScissorTest(false);
+    this.scene.remove(mesh);
+    mesh.geometry.dispose();
+  }
+
   /** The present picture as a PNG. */
   async screenshot(): Promise<Blob> {
     this.drawNow();

@@ -18,6 +18,9 @@ export const LEVELS = 9;
 const SAMPLES = 8192;
 /** g is stored between these quantiles' neighbours, at most this many deviations. */
 const REACH = 5;
+/** At most this many groups have the components of so many bands, of all subspaces. */
+export const mostGroups = (bands: number): number => Math.min(MAX_GROUPS, Math.ceil(bands / GROUP));
+
 const LUMINANCE = [0.2126390059, 0.7151686788, 0.0721923154];
 
 export interface Torus {

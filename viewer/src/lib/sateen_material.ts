@@ -2,12 +2,12 @@
 // A three.js material that shows a Sateen material in any scene, lit by its directional,
 // ambient and hemisphere lights.
 import {
-  Color, DataTexture, ShaderMaterial, type ShaderMaterialParameters, type Texture, UniformsLib,
+  Color, DataTexture, type IUniform, ShaderMaterial, type ShaderMaterialParameters, type Texture, UniformsLib,
   UniformsUtils, Vector2, Vector3, Vector4,
 } from 'three';
 
 import type { Material } from './material';
-import { LEVELS } from './basis';
+import { LEVELS, mostGroups } from './basis';
 import { latticeOf, phaseTexture, warpOf } from './pattern';
 import { MOMENT_SIDE, ReliefTextures } from './relief';
 import { type MaterialData, START_SIDE } from './runtime';
@@ -38,7 +38,43 @@ export interface SateenMaterialOptions {
   /** Show the one tile over and over, as `sateen render` does, instead of blending shifted ones. */
   repeat?: boolean;
   onProgress?: (share: number) => void;
+  /**
+   * Compiles, as WebGLRenderer.compileAsync in the scene that the material is for. Called at once with a material of the
+   * shader that is probably needed, so that it compiles while the fields are drawn, and in the end with the material.
+   */
+  prepare?: (material: ShaderMaterial) => Promise<unknown>;
   signal?: AbortSignal;
+}
+
+/** The shader of a material by what it has: `groups` of components, and whether there is relief. */
+function shaderOf(data: MaterialData, groups: number, relief: boolean, options: SateenMaterialOptions): ShaderMaterialParameters {
+  const measured = data.views.length > 0;
+  const flag = (name: string, on: boolean): Record<string, number> => (on ? { [name]: 1 } : {});
+  return {
+    lights: true,
+    vertexShader: VERTEX,
+    fragmentShader: FRAGMENT,
+    defines: {
+      SUBSPACES: data.subspaces.length,
+      GROUPS: groups,
+      LEVELS,
+      LIST_COLS,
+      LIST_SHIFT: Math.log2(LIST_COLS),
+      START_SIDE,
+      MOMENT_SIDE,
+      VIEWS: data.views.length,
+      ANISOTROPY: Math.round(options.anisotropy ?? 1),
+      RELIEF_STEPS: 32,
+      SHADOW_STEPS: 16,
+      ...flag('MEASURED', measured),
+      ...flag('REFLECTANCE', measured && data.appearance !== null),
+      ...flag('COSINE_INCLUDED', measured && data.cosineIncluded),
+      ...flag('REPEAT', options.repeat ?? false),
+      ...flag('PATTERN', Boolean(data.pattern)),
+      ...flag('SURFACE', relief),
+      ...flag('DELIT', relief && data.surface!.delit),
+    },
+  };
 }
 
 const VERTEX = /* glsl */ `
@@ -77,6 +113,17 @@ async function drawRelief(source: Material, options: SateenMaterialOptions): Pro
   return undefined;
 }
 
+/**
+ * A material of the shader that will probably be needed, to compile it by. Components and relief are not drawn yet:
+ * as many components as there may be, and relief if the file has any.
+ */
+function likelyMaterial(data: MaterialData, cells: Record<string, Texture>, unused: Texture, options: SateenMaterialOptions): ShaderMaterial {
+  const samplers = [...evaluation.matchAll(/^uniform sampler2D (\w+)/gm)].map(([, name]) => [name!, unused] as const);
+  const uniforms: Record<string, IUniform> = UniformsUtils.clone(UniformsLib.lights);
+  for (const [name, value] of [...samplers, ...Object.entries(cells)]) uniforms[name] = { value };
+  return new ShaderMaterial({ ...shaderOf(data, mostGroups(data.subspaces.length * data.bands), Boolean(data.surface), options), uniforms });
+}
+
 /** Colours that tell subspaces apart, by the golden angle. */
 export function subspaceColours(count: number): Color[] {
   return Array.from({ length: count }, (_, k) =>
@@ -85,7 +132,7 @@ export function subspaceColours(count: number): Color[] {
 
 export class SateenMaterial extends ShaderMaterial {
   readonly isSateenMaterial = true;
-  private readonly owned: Texture[] = [];
+  private readonly owned: { dispose(): void }[] = [];
   private reliefTextures: ReliefTextures | undefined;
 
   private constructor(readonly description: MaterialData, parameters: ShaderMaterialParameters) {
@@ -94,17 +141,24 @@ export class SateenMaterial extends ShaderMaterial {
 
   /** Draws the fields of every subspace in the background, then makes the material. */
   static async create(source: Material, options: SateenMaterialOptions = {}): Promise<SateenMaterial> {
-    const { tile = TILE, seed = 0n, texelsPerUv = [1024, 1024], repeat = false, anisotropy = 1, onProgress, signal } = options;
+    const { tile = TILE, seed = 0n, texelsPerUv = [1024, 1024], repeat = false, anisotropy = 1, onProgress, prepare, signal } = options;
     const { description } = source;
     const { pattern, bands } = description;
     const measured = description.views.length > 0;
     const torus = { rows: tile, cols: tile };
-    const { basis, phase } = await source.basis({ ...torus, seed }, onProgress, signal);
-    const relief = await drawRelief(source, options);
-
     const directions = directionTextures(description);
-    const sky = measured ? skyOf(description, basis) : undefined;
     const unused = new DataTexture(new Uint8Array(4), 1, 1);
+    const likely = prepare && likelyMaterial(description, { ...directions.textures }, unused, options);
+    const prepared = likely && prepare(likely).catch(() => {});
+    const drawn = async () => ({
+      ...await source.basis({ ...torus, seed }, onProgress, signal), relief: await drawRelief(source, options),
+    });
+    const { basis, phase, relief } = await drawn().catch((error: unknown) => {
+      void prepared?.then(() => likely!.dispose());
+      throw error;
+    });
+
+    const sky = measured ? skyOf(description, basis) : undefined;
     const textures: Record<string, Texture> = {
       ...basisTextures(basis, anisotropy),
       ...directions.textures,
@@ -116,36 +170,12 @@ export class SateenMaterial extends ShaderMaterial {
       moments: relief?.moments ?? unused,
       phase: phase ? phaseTexture(phase, torus.rows, torus.cols) : unused,
     };
-    const reflectance = measured && description.appearance !== null;
     const inverse = phase?.inverse ?? [1, 0, 0, 1];
     const lattice = latticeOf(inverse, torus);
     // Texels of a cell's table along a texel of the torus.
     const cellTexels = pattern ? Math.sqrt(Math.abs(inverse[0]! * inverse[3]! - inverse[1]! * inverse[2]!) * pattern.rows * pattern.cols) : 1;
-    const flag = (name: string, on: unknown): Record<string, number> => (on ? { [name]: 1 } : {});
     const material = new SateenMaterial(description, {
-      lights: true,
-      vertexShader: VERTEX,
-      fragmentShader: FRAGMENT,
-      defines: {
-        SUBSPACES: description.subspaces.length,
-        GROUPS: basis.groups.length,
-        LEVELS,
-        LIST_COLS,
-        LIST_SHIFT: Math.log2(LIST_COLS),
-        START_SIDE,
-        MOMENT_SIDE,
-        VIEWS: description.views.length,
-        ANISOTROPY: Math.round(anisotropy),
-        RELIEF_STEPS: 32,
-        SHADOW_STEPS: 16,
-        ...flag('MEASURED', measured),
-        ...flag('REFLECTANCE', reflectance),
-        ...flag('COSINE_INCLUDED', measured && description.cosineIncluded),
-        ...flag('REPEAT', repeat),
-        ...flag('PATTERN', pattern),
-        ...flag('SURFACE', relief),
-        ...flag('DELIT', relief && description.surface!.delit),
-      },
+      ...shaderOf(description, basis.groups.length, relief !== undefined, options),
       uniforms: UniformsUtils.merge([UniformsLib.lights, {
         texelsPerUv: { value: new Vector2(...texelsPerUv) },
         fieldSize: { value: new Vector2(torus.cols, torus.rows) },
@@ -175,6 +205,11 @@ export class SateenMaterial extends ShaderMaterial {
     for (const [name, value] of Object.entries(textures)) material.uniforms[name] = { value };
     material.owned.push(...Object.values(textures));
     material.reliefTextures = relief;
+    if (likely) material.owned.push(likely);
+    await prepare?.(material);
+    onProgress?.(1);
+    if (signal?.aborted) material.dispose();
+    signal?.throwIfAborted();
     return material;
   }
 
@@ -207,7 +242,7 @@ export class SateenMaterial extends ShaderMaterial {
   }
 
   override dispose(): void {
-    for (const texture of this.owned) texture.dispose();
+    for (const part of this.owned) part.dispose();
     super.dispose();
   }
 }
