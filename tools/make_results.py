@@ -312,7 +312,7 @@ def structure_lines(textures):
         "", "What it costs, and numbers that nothing was fitted to (0 is equality; smaller is "
         "better), Gaussian / Sateen. Bytes of the file, and of the parts before compression; "
         "seconds of analysis and milliseconds of drawing exactly 512 x 512, of processor time on one "
-        "thread, which other work of the machine lengthens (fabric was drawn beside builds).", "",
+        "thread, which other work of the machine lengthens.", "",
         "| | gradient kurtosis | blobs | patches | bytes | pattern | modulation | analysis, s | drawing, ms | strain |",
         "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
     ]  # fmt: skip
