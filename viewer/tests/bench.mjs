@@ -41,14 +41,15 @@ function descendants() {
 }
 
 const TICK_MS = 1000 / Number(spawnSync('getconf', ['CLK_TCK'], { encoding: 'utf8' }).stdout || 100);
-const painter = descendants().find((pid) => {
-  const command = existsSync(`/proc/${pid}/cmdline`) ? readFileSync(`/proc/${pid}/cmdline`, 'latin1') : '';
-  return command.includes('--type=gpu-process');
-});
-/** Milliseconds of processor that drawing has taken so far. */
+let painter;
+/** Milliseconds of processor that drawing has taken so far. The process starts with the first page. */
 const painted = () => {
+  painter ??= descendants().find((pid) => {
+    const command = existsSync(`/proc/${pid}/cmdline`) ? readFileSync(`/proc/${pid}/cmdline`, 'latin1') : '';
+    return command.includes('--type=gpu-process');
+  });
   const stat = statOf(painter);
-  return stat ? (Number(stat[11]) + Number(stat[12])) * TICK_MS : NaN;
+  return stat ? (Number(stat[11]) + Number(stat[12])) * TICK_MS : 0;
 };
 
 for (const material of materials) {
