@@ -66,10 +66,10 @@ Result<void> check(const NeighbourhoodOptions& options) {
     for (const RuleName& rule : kRules) {
         if (rule.rule != options.rule) continue;
         if (options.value >= rule.smallest && options.value <= rule.largest) return {};
-        return Error{Errc::invalid_argument,
-                     "neighbourhood " + to_string(options) + ": expected " +
-                         std::to_string(rule.smallest) + " to " +
-                         std::to_string(rule.largest)};
+        return Error{Errc::invalid_argument, "neighbourhood " + to_string(options) +
+                                                 ": expected " +
+                                                 std::to_string(rule.smallest) + " to " +
+                                                 std::to_string(rule.largest)};
     }
     return Error{Errc::invalid_argument, "neighbourhood: unknown rule"};
 }
@@ -87,10 +87,9 @@ Result<void> check(const AnalysisOptions& options) {
     const auto at_most = [](const std::string& name, std::size_t found,
                             std::size_t most) -> Result<void> {
         if (found <= most) return {};
-        return Error{Errc::invalid_argument, name + ": found " + std::to_string(found) +
-                                                 ", expected 1 to " +
-                                                 std::to_string(most) +
-                                                 ", or 0 for automatic"};
+        return Error{Errc::invalid_argument,
+                     name + ": found " + std::to_string(found) + ", expected 1 to " +
+                         std::to_string(most) + ", or 0 for automatic"};
     };
     SATEEN_CHECK(at_most("levels", options.levels, kMaxLevels));
     return at_most("subspaces", options.subspaces, kMaxSubspaces);

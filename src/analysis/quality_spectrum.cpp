@@ -10,7 +10,6 @@
 namespace sateen::quality {
 namespace {
 
-
 double signed_frequency(std::size_t k, std::size_t n) {
     const auto whole = static_cast<double>(n);
     return (k <= n / 2 ? static_cast<double>(k) : static_cast<double>(k) - whole) / whole;

@@ -69,8 +69,7 @@ inline void append_byte_block(std::span<const float> values,
                               std::vector<std::int8_t>& exponents) {
     const int exponent = block_exponent(values, 7);
     exponents.push_back(static_cast<std::int8_t>(exponent));
-    for (const float value : values)
-        integers.push_back(quantise_byte(value, exponent));
+    for (const float value : values) integers.push_back(quantise_byte(value, exponent));
 }
 
 /// Radians to degrees on the grid of the file; direction_from_degrees() is the way back.

@@ -19,7 +19,8 @@ std::vector<Harmonic> half_plane_order(std::size_t rows, std::size_t cols) {
         return h.m * h.m * Q * Q + h.n * h.n * P * P;
     };
     std::sort(order.begin(), order.end(), [&](const Harmonic& x, const Harmonic& y) {
-        return std::make_tuple(radius(x), x.m, x.n) < std::make_tuple(radius(y), y.m, y.n);
+        return std::make_tuple(radius(x), x.m, x.n) <
+               std::make_tuple(radius(y), y.m, y.n);
     });
     return order;
 }

@@ -135,8 +135,7 @@ Mesh cloth_mesh(float repeats) {
         const float fold =
             0.30F * bend * hanging *
             std::cos(kFolds * phi + 0.8F * std::sin(2 * phi + 0.5F) + 0.4F);
-        const float radius =
-            kBall * std::sin(angle) + hanging * std::cos(slope) + fold;
+        const float radius = kBall * std::sin(angle) + hanging * std::cos(slope) + fold;
         const float z = kBall * std::cos(angle) - hanging * std::sin(slope) * 0.95F;
         return Placed{{1.25F * radius * std::cos(phi), 1.25F * radius * std::sin(phi),
                        1.25F * z + 0.05F},

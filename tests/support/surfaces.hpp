@@ -21,8 +21,14 @@ struct RandomSurfaceOptions {
 
 inline Surface random_surface(const RandomSurfaceOptions& options = {}) {
     std::mt19937_64 engine(options.seed);
-    Surface out{
-        options.rows, options.cols, options.shear_px, -1.5F, 1.0F / 256, false, 0.25F, {}};
+    Surface out{options.rows,
+                options.cols,
+                options.shear_px,
+                -1.5F,
+                1.0F / 256,
+                false,
+                0.25F,
+                {}};
     out.tiles.resize(options.tiles);
     for (auto& tile : out.tiles)
         for (std::size_t i = 0; i < std::size_t{options.rows} * options.cols; ++i)

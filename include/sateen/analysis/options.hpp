@@ -18,7 +18,7 @@ enum class NeighbourhoodRule {
     order,        ///< hierarchical half plane of an order
     correlation,  ///< the offsets of largest spatial correlation [SAR, GMRF]
     evidence,     ///< the hierarchical order of largest posterior evidence [CAR2]
-    forward,  ///< forward selection in a wide window, as long as the evidence grows
+    forward,      ///< forward selection in a wide window, as long as the evidence grows
     nearest,  ///< {(0,1), (1,0), (1,1)}, the first `count` of them: [SAR]'s and [CAR2]'s
 };
 

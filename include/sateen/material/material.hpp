@@ -116,10 +116,10 @@ struct Material {
     std::vector<Direction> lights;
     std::vector<IndexEntry> index;  ///< ascending by (light, view), without repetition
     std::vector<Subspace> subspaces;
-    std::optional<Structure> structure;  ///< what stationary fields cannot hold
+    std::optional<Structure> structure;        ///< what stationary fields cannot hold
     std::optional<BandModulation> modulation;  ///< nor Gaussian ones
-    std::optional<Surface> surface;  ///< the range map, where one was estimated
-    std::optional<Reflectance> reflectance;  ///< of every pair of views and lights
+    std::optional<Surface> surface;            ///< the range map, where one was estimated
+    std::optional<Reflectance> reflectance;    ///< of every pair of views and lights
     friend bool operator==(const Material&, const Material&) = default;
 };
 

@@ -38,8 +38,9 @@ struct Observation {
 
 /// What a measurement holds, known before any image is decoded.
 struct MeasurementInfo {
-    std::string name;    ///< of the material, from the folder or file name
-    std::string layout;  ///< "ubo2003", "directions.csv", "lp", "photograph", "photographs"
+    std::string name;  ///< of the material, from the folder or file name
+    /// "ubo2003", "directions.csv", "lp", "photograph" or "photographs".
+    std::string layout;
     std::size_t rows = 0;
     std::size_t cols = 0;
     std::size_t bands = 0;  ///< 1 or 3

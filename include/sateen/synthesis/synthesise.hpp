@@ -45,15 +45,16 @@ using StripSink =
 /// \error invalid_argument  no such subspace, a size of 0 or beyond kMaxTextureSide
 /// \error cancelled, or what the sink returned
 [[nodiscard]] Result<void> synthesise(const Material& material, std::size_t subspace,
-                                      const SynthesisOptions& options, const StripSink& sink,
-                                      Executor& executor, Progress& progress);
+                                      const SynthesisOptions& options,
+                                      const StripSink& sink, Executor& executor,
+                                      Progress& progress);
 
 /// The same into one image.
 [[nodiscard]] Result<Image> synthesise(const Material& material, std::size_t subspace,
-                                       const SynthesisOptions& options, Executor& executor,
-                                       Progress& progress);
+                                       const SynthesisOptions& options,
+                                       Executor& executor, Progress& progress);
 
-/// Tileable textures of several subspaces; the noise is drawn and transformed once for all.
+/// Tileable textures of several subspaces; the noise is drawn once for all.
 /// \param take  called for each subspace of the list, in order
 [[nodiscard]] Result<void> synthesise_tiles(
     const Material& material, std::span<const std::size_t> subspaces,
