@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/plane_variance.hpp"
 #include "core/band_rows.hpp"
+#include "core/plane_moments.hpp"
 
 namespace sateen {
 namespace {
@@ -68,7 +68,7 @@ BandFeatures band_features(PlaneView<const float> plane, Border border,
     out.amplitude = Image(kLevels, plane.rows, plane.cols, uninitialised);
     out.value = Image(kLevels, plane.rows, plane.cols, uninitialised);
     Image work(3, plane.rows, plane.cols, uninitialised);
-    const double whole = variance_of(plane);
+    const double whole = moments_of(plane).variance;
     PlaneView<const float> from = plane;
     for (std::size_t level = 0; level < kLevels; ++level) {
         const PlaneView<float> band = work.plane(0);
@@ -76,7 +76,7 @@ BandFeatures band_features(PlaneView<const float> plane, Border border,
         split_band(from, std::size_t{1} << level, border, band, low, executor);
         const PlaneView<float> energy = work.plane(2);
         local_energy(band, level, border, work.plane(1), energy, executor);
-        const double variance = variance_of(band);
+        const double variance = moments_of(band).variance;
         out.seen[level] = variance > kLeastBandShare * whole;
         const auto scale = static_cast<float>(variance > 0 ? 1 / variance : 0);
         for (std::size_t r = 0; r < plane.rows; ++r)
@@ -86,7 +86,7 @@ BandFeatures band_features(PlaneView<const float> plane, Border border,
     }
     for (std::size_t level = 0; level < kLevels; ++level) {
         const PlaneView<float> low = out.value.plane(level);
-        const double deviation = std::sqrt(variance_of(low));
+        const double deviation = std::sqrt(moments_of(low).variance);
         const auto scale = static_cast<float>(deviation > 0 ? 1 / deviation : 0);
         for (std::size_t i = 0; i < low.size(); ++i) low.data[i] *= scale;
     }

@@ -10,9 +10,9 @@
 
 #include "analysis/amplitude_regression.hpp"
 #include "analysis/modulation_trial.hpp"
-#include "analysis/plane_variance.hpp"
 #include "analysis/smooth_field.hpp"
 #include "analysis/sorted_sample.hpp"
+#include "core/plane_moments.hpp"
 #include "material/modulate.hpp"
 #include "sateen/analysis/marginal.hpp"
 #include "sateen/analysis/translation.hpp"
@@ -242,15 +242,16 @@ class ModulationEstimate {
             for (std::size_t level = kLevels; level-- > 0;) {
                 ModulatedBand& band =
                     fit.modulation.curves.bands[plane * kLevels + level];
-                const double wanted = variance_of(modulator.band(level));
-                const double below = std::sqrt(variance_of(modulator.low()));
+                const double wanted = moments_of(modulator.band(level)).variance;
+                const double below = std::sqrt(moments_of(modulator.low()).variance);
                 band.value_scale =
                     to_half_of_float(static_cast<float>(below > 0 ? 1 / below : 0));
                 band.energy_scale =
                     to_half_of_float(static_cast<float>(wanted > 0 ? 1 / wanted : 0));
                 band.gain = 1;
                 const double found =
-                    variance_of(modulator.tried(plane, level, fit.modulation.curves));
+                    moments_of(modulator.tried(plane, level, fit.modulation.curves))
+                        .variance;
                 band.gain = to_half_of_float(
                     static_cast<float>(found > 0 ? std::sqrt(wanted / found) : 1));
                 modulator.modulate(plane, level, fit.modulation.curves);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/plane_moments.hpp"
 #include "synthesis/finish.hpp"
 #include "synthesis/infinite_field.hpp"
 #include "synthesis/recursive_field.hpp"
@@ -21,19 +22,10 @@ namespace {
 
 /// Shifts and scales a plane to mean 0 and variance 1; leaves a constant one.
 void standardise(PlaneView<float> plane) {
-    double sum = 0;
-    double squares = 0;
-    for (std::size_t i = 0; i < plane.size(); ++i) {
-        const auto value = static_cast<double>(plane.data[i]);
-        sum += value;
-        squares += value * value;
-    }
-    const double n = static_cast<double>(plane.size());
-    const double mean = sum / n;
-    const double variance = squares / n - mean * mean;
-    if (!(variance > 0)) return;
-    const auto shift = static_cast<float>(mean);
-    const auto scale = static_cast<float>(1 / std::sqrt(variance));
+    const PlaneMoments moments = moments_of(plane);
+    if (!(moments.variance > 0)) return;
+    const auto shift = static_cast<float>(moments.mean);
+    const auto scale = static_cast<float>(1 / std::sqrt(moments.variance));
     for (std::size_t i = 0; i < plane.size(); ++i)
         plane.data[i] = (plane.data[i] - shift) * scale;
 }

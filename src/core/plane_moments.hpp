@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The variance of a plane.
+// Mean and variance of a plane.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,12 @@
 
 namespace sateen {
 
-[[nodiscard]] inline double variance_of(PlaneView<const float> plane) {
+struct PlaneMoments {
+    double mean = 0;
+    double variance = 0;  ///< never negative
+};
+
+[[nodiscard]] inline PlaneMoments moments_of(PlaneView<const float> plane) {
     double sum = 0;
     double squares = 0;
     for (std::size_t i = 0; i < plane.size(); ++i) {
@@ -17,8 +22,9 @@ namespace sateen {
         sum += value;
         squares += value * value;
     }
-    const double n = static_cast<double>(plane.size());
-    return std::max(0.0, squares / n - sum * sum / (n * n));
+    const auto n = static_cast<double>(plane.size());
+    const double mean = sum / n;
+    return {mean, std::max(0.0, squares / n - mean * mean)};
 }
 
 }  // namespace sateen
